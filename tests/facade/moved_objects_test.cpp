@@ -2,6 +2,7 @@
 
 #include <boost/test/unit_test.hpp>
 #include <cmath>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -77,6 +78,53 @@ BOOST_AUTO_TEST_CASE(plans_are_those_of_a_new_planner) {
     }
   }
   BOOST_TEST(different.size() > 6);
+}
+
+BOOST_AUTO_TEST_CASE(plans_after_objects_come_and_go_are_those_of_a_new_planner) {
+  std::map<std::string, Pose> posts{{"b", {.p = {1.5, 0.0, 0.0}}}};
+  const auto add = [](PlannerInterface& planner, const std::string& name, const Pose& pose) {
+    planner.add_cylinder(name, 0.05, 1.0, pose);
+  };
+  PlannerInterface planner = two_arms({});
+  add(planner, "b", posts.at("b"));
+  std::set<std::string> different;
+  for (int step = 0; step < 16; ++step) {
+    PlannerInterface anew = two_arms({});
+    for (const auto& [name, pose] : posts) add(anew, name, pose);
+    const std::string expected = plans(anew);
+    BOOST_TEST(plans(planner) == expected);
+    different.insert(expected);
+    const std::string name(1, static_cast<char>('a' + step * 5 % 7));
+    const Pose pose{.p = {0.4 + 0.1 * step, 0.6 * std::sin(1.3 * step), 0.0}};
+    if (posts.contains(name))
+      planner.remove_object(
+          planner.object_names()[static_cast<std::size_t>(std::distance(posts.begin(), posts.find(name)))]);
+    if (!posts.erase(name) || step % 2 == 0) {
+      add(planner, name, pose);
+      posts[name] = pose;
+    }
+  }
+  BOOST_TEST(different.size() > 4);
+}
+
+BOOST_AUTO_TEST_CASE(an_object_that_comes_back_has_no_allowed_collisions) {
+  PlannerInterface planner = two_arms({});
+  const Pose at_the_arm{.p = {0.3, -0.3, 0.0}};
+  planner.add_box("box", {0.5, 0.5, 0.5}, at_the_arm);
+  BOOST_TEST(planner.is_state_colliding("left", start));
+  planner.set_allowed_collision("box", "left");
+  BOOST_TEST(!planner.is_state_colliding("left", start));
+  planner.set_object_pose("box", at_the_arm);
+  BOOST_TEST(!planner.is_state_colliding("left", start));
+  planner.remove_object("box");
+  planner.add_box("box", {0.5, 0.5, 0.5}, at_the_arm);
+  BOOST_TEST(planner.is_state_colliding("left", start));
+  planner.attach_object("box", "left", planner.get_link_names("left").back());
+  planner.remove_object("box");
+  BOOST_TEST(!planner.is_state_colliding("left", start));
+  for (int i = 0; i < 20; ++i) planner.add_box("box" + std::to_string(i), {0.1, 0.1, 0.1}, {.p = {9.0, 0.0, 0.0}});
+  planner.add_box("box", {0.5, 0.5, 0.5}, at_the_arm);
+  BOOST_TEST(planner.is_state_colliding("left", start));
 }
 
 BOOST_AUTO_TEST_CASE(a_backend_of_the_users_makes_its_checkers_again) {

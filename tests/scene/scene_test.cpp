@@ -215,6 +215,24 @@ BOOST_AUTO_TEST_CASE(removing_an_object_detaches_it_and_removes_its_settings) {
   BOOST_TEST(!scene.allowed_collision("cup", "table"));
 }
 
+BOOST_AUTO_TEST_CASE(a_scene_follows_the_objects_of_another) {
+  Scene scene = two_planars();
+  scene.set_allowed_collision("cup", "table");
+  scene.add_object("gone", Sphere{0.1}, {});
+  scene.set_group("desk", {{"table", "gone"}, {}, {}});
+  Scene other = scene;
+  other.remove_object("gone");
+  other.add_object("new", Sphere{0.2}, {{0, 0, 1}, {1, 0, 0, 0}}, 0.01);
+  other.set_object_pose("table", {{3, 0, 0}, {1, 0, 0, 0}});
+  scene.follow_objects(other, {"gone", "new", "table"});
+  BOOST_TEST((scene.object_names() == other.object_names()));
+  BOOST_TEST(scene.object("new").geometry == other.object("new").geometry);
+  BOOST_TEST(scene.object("new").padding == 0.01);
+  BOOST_TEST(scene.object("table").pose.p.x() == 3.0);
+  BOOST_TEST(scene.groups().at("desk").objects.size() == 1u);
+  BOOST_TEST(scene.allowed_collision("cup", "table"));
+}
+
 BOOST_AUTO_TEST_CASE(a_group_goes_with_its_first_object) {
   Scene scene = two_planars();
   scene.add_object("table_1", Sphere{0.1}, {});

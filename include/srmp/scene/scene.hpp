@@ -118,6 +118,10 @@ class Scene {
   /// in an equal scene gives equal settings.
   const std::map<std::pair<std::string, std::string>, bool>& allowed_settings() const { return allowed_; }
 
+  /// Objects of these names become what they are in `other`, with their groups and allowed collisions: added, changed
+  /// or removed. Nothing else of the two scenes may differ.
+  void follow_objects(const Scene& other, const std::set<std::string>& names);
+
   // --- the content, by name
   /// The robots by name.
   const std::map<std::string, RobotInstance>& robots() const { return robots_; }

@@ -4,8 +4,8 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <string_view>
 
+#include "srmp/collision/contact_rules.hpp"
 #include "srmp/core/error.hpp"
 #include "srmp/core/low_discrepancy.hpp"
 
@@ -37,7 +37,6 @@ Body link_body(const RobotInstance& instance, std::size_t index) {
           0,
           scene_name,
           index,
-          0,
           solid_of(instance.parts[index])};
 }
 
@@ -55,112 +54,8 @@ Body object_body(const Object& object, BodyKind kind) {
           0,
           object.name,
           0,
-          0,
           solid_of(object.parts)};
 }
-
-}  // namespace
-
-/// What the rules of contact and the pairs need of a body, close together in memory: there are many pairs.
-struct Bodies::Side {
-  explicit Side(const Body& body)
-      : robot(body.robot),
-        link(body.kind == BodyKind::link),
-        attached(body.kind == BodyKind::attached_object),
-        is_solid(body.is_solid()),
-        name(body.name_id),
-        source(body.source),
-        support(body.support),
-        padding(body.padding),
-        solid(body.solid) {}
-
-  int robot;
-  bool link, attached, is_solid;
-  std::size_t name, source;
-  std::uint64_t support;
-  double padding;
-  const coal::CollisionGeometry* solid;
-};
-
-namespace {
-
-using Side = Bodies::Side;
-
-/// Decides whether contact between two bodies is a collision.
-class ContactRules {
- public:
-  /// Numbers the bodies by their scene names: several geometries share a link.
-  ContactRules(const Scene& scene, const RobotGroup& group, Bodies& bodies, bool other_robots_only)
-      : scene_(scene), group_(group), other_robots_only_(other_robots_only) {
-    std::map<std::string_view, std::size_t> links;
-    const auto number = [&](Body& body) {
-      body.name_id = names_.size();
-      if (body.kind == BodyKind::link) body.name_id = links.try_emplace(body.scene_name, names_.size()).first->second;
-      if (body.name_id == names_.size()) names_.push_back(&body.scene_name);
-    };
-    for (Body& body : bodies.moving) number(body);
-    for (Body& body : bodies.fixed) number(body);
-    allowed_.assign(names_.size() * names_.size(), unknown);
-    for (const std::string* name : names_) has_setting_.push_back(has_setting(*name));
-    self_pairs_.resize(group.size());
-  }
-
-  bool count(const Side& a, const Side& b) {
-    if (a.robot != 0 && b.robot != 0) return false;
-    if (other_robots_only_ && (a.robot == b.robot || a.robot < 0 || b.robot < 0)) return false;
-    const bool same_robot = a.robot == b.robot && a.link && b.link;
-    if (by_model_alone(a, b))
-      return !same_robot || is_self_pair(group_.model(static_cast<std::size_t>(a.robot)),
-                                         static_cast<std::size_t>(a.robot), a.source, b.source);
-    if (allowed(a.name, b.name)) return false;
-    if (!same_robot) return true;
-    // The model may leave out more than it allows; a pair that it allows gets here by the scene's own setting.
-    const RobotModel& model = group_.model(static_cast<std::size_t>(a.robot));
-    return is_self_pair(model, static_cast<std::size_t>(a.robot), a.source, b.source) ||
-           model.allowed(model.geometries()[a.source].link, model.geometries()[b.source].link);
-  }
-
- private:
-  static constexpr char unknown = 2;
-
-  /// No setting of the scene names both, as for most pairs of most scenes: the model's own rules decide.
-  bool by_model_alone(const Side& a, const Side& b) const {
-    return !(has_setting_[a.name] && has_setting_[b.name]) && !a.attached && !b.attached;
-  }
-
-  /// Does a setting name the body or the robot that it is a link of?
-  bool has_setting(const std::string& name) const {
-    const auto names = [&](const std::string& key) {
-      return name.starts_with(key) && (name.size() == key.size() || name[key.size()] == '/');
-    };
-    return std::any_of(scene_.allowed_settings().begin(), scene_.allowed_settings().end(),
-                       [&](const auto& setting) { return names(setting.first.first) || names(setting.first.second); });
-  }
-
-  bool is_self_pair(const RobotModel& model, std::size_t robot, std::size_t a, std::size_t b) {
-    std::vector<char>& table = self_pairs_[robot];
-    const std::size_t count = model.geometries().size();
-    if (table.empty()) {
-      table.assign(count * count, false);
-      for (const auto& [i, j] : model.self_pairs()) table[i * count + j] = table[j * count + i] = true;
-    }
-    return table[a * count + b];
-  }
-
-  bool allowed(std::size_t a, std::size_t b) {
-    char& known = allowed_[a * names_.size() + b];
-    if (known == unknown) known = scene_.allowed_collision(*names_[a], *names_[b]);
-    return known;
-  }
-
-  const Scene& scene_;
-  const RobotGroup& group_;
-  bool other_robots_only_;
-  std::vector<const std::string*> names_;
-  std::vector<char> has_setting_;              // by number of the name
-  std::vector<char> allowed_;                  // [a * names + b]
-  std::vector<std::vector<char>> self_pairs_;  // of each robot [a * geometries + b]; empty until needed
-};
 
 }  // namespace
 
@@ -183,7 +78,6 @@ Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions
   add_objects(scene);
   add_other_robots(scene);
 
-  for (const FixedBody& body : fixed) max_fixed_padding = std::max(max_fixed_padding, body.padding + clearance());
   build_tree();
   add_envelopes();
   add_pairs(scene);
@@ -193,41 +87,14 @@ Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions
 void Bodies::build_tree() {
   std::vector<Eigen::AlignedBox3d> boxes;
   boxes.reserve(fixed.size());
+  max_fixed_padding = 0.0;
   for (const FixedBody& body : fixed) {
+    max_fixed_padding = std::max(max_fixed_padding, body.padding + clearance());
     const Bounds& b = body.bounds;
     const Eigen::Vector3d half = body.pose.linear().cwiseAbs() * b.box_half, center = body.pose * b.box_center;
     boxes.emplace_back(center - half, center + half);
   }
   tree.build(boxes);
-}
-
-std::vector<std::size_t> Bodies::move_objects(const Scene& scene, const std::set<std::string>& names) {
-  const Pose to_base = group_.instance(0).base.inverse();
-  std::vector<std::size_t> moved;
-  std::vector<char> is_moved(fixed.size());
-  for (std::size_t i = 0; i < fixed.size(); ++i) {
-    FixedBody& body = fixed[i];
-    if (body.kind != BodyKind::object || !names.contains(body.name)) continue;
-    body.pose = (to_base * scene.object(body.name).pose).isometry();
-    body.center = body.pose * body.bounds.center;
-    moved.push_back(i);
-    is_moved[i] = true;
-  }
-  if (moved.empty()) return moved;
-  build_tree();
-  std::erase_if(overlaps, [&](const RigidOverlap& pair) {
-    return (pair.a_fixed && is_moved[pair.a]) || (pair.b_fixed && is_moved[pair.b]);
-  });
-  for (const auto& [a, b] : fixed_pairs) {
-    const RigidOverlap pair{true, true, a, b};
-    if ((is_moved[a] || is_moved[b]) && overlap(pair)) overlaps.push_back(pair);
-  }
-  // Those of moving bodies come first, in their own order.
-  std::stable_sort(overlaps.begin(), overlaps.end(), [](const RigidOverlap& a, const RigidOverlap& b) {
-    if (!a.a_fixed || !b.a_fixed) return a.a_fixed < b.a_fixed;
-    return std::pair(a.a, a.b) < std::pair(b.a, b.b);
-  });
-  return moved;
 }
 
 bool Bodies::leaves_out(const std::string& robot) const {
@@ -236,9 +103,20 @@ bool Bodies::leaves_out(const std::string& robot) const {
          std::find(excluded_robots.begin(), excluded_robots.end(), robot) != excluded_robots.end();
 }
 
+Eigen::Isometry3d Bodies::in_base(const Pose& pose) const {
+  return (group_.instance(0).base.inverse() * pose).isometry();
+}
+
 void Bodies::add_fixed(Body body, const Eigen::Isometry3d& pose) {
   const Eigen::Vector3d center = pose * body.bounds.center;
   fixed.push_back({std::move(body), pose, center});
+}
+
+FixedBody Bodies::free_object(const Object& object) const {
+  Body body = object_body(object, BodyKind::object);
+  const Eigen::Isometry3d pose = in_base(object.pose);
+  const Eigen::Vector3d center = pose * body.bounds.center;
+  return {std::move(body), pose, center};
 }
 
 void Bodies::add_links(int robot) {
@@ -258,20 +136,19 @@ void Bodies::add_links(int robot) {
 }
 
 void Bodies::add_objects(const Scene& scene) {
-  const Pose to_base = group_.instance(0).base.inverse();
   for (const auto& [name, object] : scene.objects()) {
     const auto it = scene.attachments().find(name);
     if (it == scene.attachments().end() && options_.other_robots_only) continue;
     if (it != scene.attachments().end() && !group_.contains(it->second.robot) && leaves_out(it->second.robot)) continue;
     if (it == scene.attachments().end()) {
-      add_fixed(object_body(object, BodyKind::object), (to_base * object.pose).isometry());
+      fixed.push_back(free_object(object));
       continue;
     }
     Body body = object_body(object, BodyKind::attached_object);
     for (std::size_t i = 0; i < group_.size(); ++i)
       if (group_.model(i).name() == it->second.robot) body.robot = static_cast<int>(i);
     if (body.robot < 0) {
-      add_fixed(std::move(body), (to_base * scene.object_pose(name)).isometry());
+      add_fixed(std::move(body), in_base(scene.object_pose(name)));
       continue;
     }
     const auto robot = static_cast<std::size_t>(body.robot);
@@ -334,13 +211,12 @@ MovingBody Bodies::envelope_around(std::span<const std::uint32_t> bodies) const 
 }
 
 void Bodies::add_pairs(const Scene& scene) {
-  ContactRules rules(scene, group_, *this, options_.other_robots_only);
-  const std::vector<Side> of_moving(moving.begin(), moving.end()), of_fixed(fixed.begin(), fixed.end());
-  fixed_pair.assign(moving.size() * fixed.size(), -1);
+  ContactRules rules(scene, group_, options_.other_robots_only);
+  const std::vector<PairSide> of_moving = rules.sides(moving), of_fixed = rules.sides(fixed);
   pairs.reserve(moving.size() * fixed.size() + moving.size() * moving.size() / 2);
   for (std::size_t i = 0; i < moving.size(); ++i) {
     for (std::size_t j = 0; j < fixed.size(); ++j)
-      if (rules.count(of_moving[i], of_fixed[j])) add_pair(of_moving[i], i, of_fixed[j], true, j);
+      if (rules.count(of_moving[i], of_fixed[j])) add(pair_of(of_moving[i], i, of_fixed[j], true, j));
     for (std::size_t j = i + 1; j < moving.size(); ++j) {
       if (!rules.count(of_moving[i], of_moving[j])) continue;
       const bool swap = of_moving[i].robot != 0;  // the planned robot's body comes first
@@ -348,9 +224,10 @@ void Bodies::add_pairs(const Scene& scene) {
       if (of_moving[a].support == of_moving[b].support)
         add_rigid_pair(false, a, false, b);
       else
-        add_pair(of_moving[a], a, of_moving[b], false, b);
+        add(pair_of(of_moving[a], a, of_moving[b], false, b));
     }
   }
+  number_pairs();
   for (std::size_t i = 0; i < fixed.size(); ++i) {
     if (fixed[i].robot != 0) continue;
     for (std::size_t j = 0; j < fixed.size(); ++j) {
@@ -438,12 +315,8 @@ bool Bodies::overlap(const RigidOverlap& pair) const {
   return NarrowPhase::deepest(placed_a, placed_b, 0.0).distance < -Checker::touching_tolerance;
 }
 
-void Bodies::add_pair(const Side& a, std::size_t ia, const Side& b, bool b_fixed, std::size_t ib) {
-  const bool links = a.robot == b.robot && a.link && b.link;
-  const PairTable* table = links ? table_of(static_cast<std::size_t>(a.robot), a.source, b.source) : nullptr;
-  const bool never_collide = table && table->never_collide();
-  const auto id = static_cast<std::uint32_t>(pairs.size());
-  Pair& pair = (never_collide ? apart : pairs).emplace_back();
+Pair Bodies::pair_of(const PairSide& a, std::size_t ia, const PairSide& b, bool b_fixed, std::size_t ib) {
+  Pair pair;
   pair.a = static_cast<std::uint32_t>(ia);
   pair.b = static_cast<std::uint32_t>(ib);
   pair.b_fixed = b_fixed;
@@ -453,13 +326,24 @@ void Bodies::add_pair(const Side& a, std::size_t ia, const Side& b, bool b_fixed
   pair.padding = (a.robot == b.robot ? 0.0 : a.padding + b.padding) + options_.clearance;
   pair.support_a = a.support & ~b.support;
   pair.support_b = b.support & ~a.support;
-  pair.table = table;
-  if (table) pair.first_joint = group_.first_joint(static_cast<std::size_t>(a.robot));
-  if (never_collide) return;
-  if (b_fixed)
-    fixed_pair[ia * fixed.size() + ib] = static_cast<std::int32_t>(id);
-  else
-    moving_pairs.push_back(id);
+  if (!(a.robot == b.robot && a.link && b.link)) return pair;
+  const auto robot = static_cast<std::size_t>(a.robot);
+  pair.table = table_of(robot, a.source, b.source);
+  if (pair.table) pair.first_joint = group_.first_joint(robot);
+  return pair;
+}
+
+void Bodies::add(const Pair& pair) { (pair.table && pair.table->never_collide() ? apart : pairs).push_back(pair); }
+
+void Bodies::number_pairs() {
+  fixed_pair.assign(moving.size() * fixed.size(), -1);
+  moving_pairs.clear();
+  for (std::uint32_t id = 0; id < pairs.size(); ++id) {
+    if (pairs[id].b_fixed)
+      fixed_pair[pairs[id].a * fixed.size() + pairs[id].b] = static_cast<std::int32_t>(id);
+    else
+      moving_pairs.push_back(id);
+  }
 }
 
 }  // namespace srmp::detail

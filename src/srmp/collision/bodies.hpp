@@ -33,7 +33,6 @@ struct Body {
   std::uint64_t support{};  // actuated joints of the group that move it
   std::string scene_name;   // as the scene resolves it
   std::size_t source{};     // geometry index of a link; link index of an object that a moving link holds
-  std::size_t name_id{};    // equal for bodies of the same scene_name
   /// The geometry, or a convex solid around it; null when there are only the geometry's primitives.
   const coal::CollisionGeometry* solid{};
 
@@ -71,14 +70,22 @@ struct RigidOverlap {
   std::uint32_t a{}, b{};
 };
 
+struct PairSide;
+
+/// What a scene's change did to Bodies::fixed.
+struct FixedChange {
+  enum class Kind { inserted, erased, replaced, moved } kind{};
+  std::size_t index{};  // once the changes before are done
+};
+
 struct Bodies {
   /// `tables`: by robot of the group, may be null; they must outlive this.
   Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions& options,
          std::vector<const PairTables*> tables);
 
-  /// Objects that no robot holds stand in `scene` where they did not before, and nothing else has changed: all that
-  /// depends on where they stand is as if made anew. Returns their numbers in `fixed`.
-  std::vector<std::size_t> move_objects(const Scene& scene, const std::set<std::string>& names);
+  /// Objects of these names that no robot holds were added to `scene`, removed or moved since, and nothing else has
+  /// changed: all that depends on them is as if made anew. Returns what became of `fixed`, in this order.
+  std::vector<FixedChange> follow_objects(const Scene& scene, const std::set<std::string>& names);
 
   /// Is this robot, which is not in the group, left out with all that it holds?
   bool leaves_out(const std::string& robot) const;
@@ -93,8 +100,6 @@ struct Bodies {
   const MovingBody& moving_body(std::size_t index) const {
     return index < moving.size() ? moving[index] : envelopes[index - moving.size()];
   }
-
-  struct Side;
 
   std::vector<MovingBody> moving;
   std::vector<FixedBody> fixed;
@@ -123,20 +128,27 @@ struct Bodies {
   void add_objects(const Scene& scene);
   void add_other_robots(const Scene& scene);
   void add_fixed(Body body, const Eigen::Isometry3d& pose);
+  FixedBody free_object(const Object& object) const;
+  Eigen::Isometry3d in_base(const Pose& pose) const;
   void build_tree();
   void add_envelopes();
   MovingBody envelope_around(std::span<const std::uint32_t> bodies) const;
   void add_pairs(const Scene& scene);
-  void add_pair(const Side& a, std::size_t ia, const Side& b, bool b_fixed, std::size_t ib);
+  Pair pair_of(const PairSide& a, std::size_t ia, const PairSide& b, bool b_fixed, std::size_t ib);
+  void add(const Pair& pair);
+  void number_pairs();
   void add_rigid_pair(bool a_fixed, std::size_t ia, bool b_fixed, std::size_t ib);
   bool overlap(const RigidOverlap& pair) const;
+
+  class Following;
 
   const PairTable* table_of(std::size_t robot, std::size_t geometry_a, std::size_t geometry_b) const;
 
   const RobotGroup& group_;
   CheckerOptions options_;
   std::vector<const PairTables*> tables_;
-  RobotGroup::Data data_;  // where set_qpos put the robots
+  RobotGroup::Data data_;                                                 // where set_qpos put the robots
+  std::vector<std::shared_ptr<const coal::CollisionGeometry>> examples_;  // of `formulas`, of bodies that are gone
 };
 
 /// The pose of a moving body at the configuration in `data`.

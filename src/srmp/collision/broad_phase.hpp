@@ -42,8 +42,12 @@ class BoxBvh {
     std::int32_t left{-1}, right{-1};
     std::int32_t body{-1};  // of a leaf
   };
-  std::int32_t build(const std::vector<Eigen::AlignedBox3d>& boxes, const std::vector<Eigen::Vector3d>& centers,
-                     std::span<std::size_t> order);
+  /// A box to put into the tree.
+  struct Leaf {
+    Eigen::Vector3d center;
+    std::int32_t body;
+  };
+  std::int32_t build(const std::vector<Eigen::AlignedBox3d>& boxes, std::span<Leaf> leaves);
 
   std::vector<Node> nodes_;
 };

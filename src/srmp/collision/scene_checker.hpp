@@ -22,10 +22,10 @@ class SceneChecker final : public Checker {
   /// As make_checker.
   SceneChecker(const Scene& scene, const std::string& robot, const CheckerOptions& options = {});
 
-  /// Follows objects that stand elsewhere in `scene` since this was made, while nothing else has changed: this is then
-  /// as if made anew, in less time. Workspaces made before are not to be used any more. After an exception, neither is
-  /// this.
-  void move_objects(const Scene& scene, const std::set<std::string>& names) { model_.move_objects(scene, names); }
+  /// Follows objects that no robot holds and that were added to `scene`, removed, replaced or moved since this was
+  /// made, while nothing else has changed: this is then as if made anew, in less time. Workspaces made before are not
+  /// to be used any more. After an exception, neither is this.
+  void follow_objects(const Scene& scene, const std::set<std::string>& names) { model_.follow_objects(scene, names); }
 
   /// Pairs of links that need not keep CheckerOptions::clearance (Bodies::close_links).
   const std::vector<std::string>& close_links() const { return model_.bodies.close_links; }

@@ -55,13 +55,12 @@ SceneModel::SceneModel(const Scene& scene, const RobotGroup& robots, const Check
   batch_options = batch_options_for(*batch_scene.robot);
 }
 
-void SceneModel::move_objects(const Scene& scene, const std::set<std::string>& names) {
-  const std::vector<std::size_t> moved = bodies.move_objects(scene, names);
-  if (!batch || moved.empty()) return;
-  for (const std::size_t i : moved)
-    batch_scene.pairs.obstacles[static_cast<std::size_t>(batch_scene.obstacle_of_fixed[i])] =
-        as_obstacle(bodies.fixed[i], bodies.clearance());
-  batch.emplace(batch_scene.robot, batch_scene.pairs);
+void SceneModel::follow_objects(const Scene& scene, const std::set<std::string>& names) {
+  const std::vector<FixedChange> changes = bodies.follow_objects(scene, names);
+  if (!batch || changes.empty()) return;
+  const std::vector<int> known = batch_scene.follow(bodies, changes);
+  BatchChecker next(*batch, batch_scene.pairs, known);
+  batch.emplace(std::move(next));
 }
 
 bool SceneModel::spheres_reach(ConstVector q) const {

@@ -20,8 +20,8 @@ namespace srmp::detail {
 struct SceneModel {
   SceneModel(const Scene& scene, const RobotGroup& group, const CheckerOptions& options);
 
-  /// As Bodies::move_objects; workspaces made before are not to be used any more.
-  void move_objects(const Scene& scene, const std::set<std::string>& names);
+  /// As Bodies::follow_objects; workspaces made before are not to be used any more.
+  void follow_objects(const Scene& scene, const std::set<std::string>& names);
 
   /// The pairs of bodies that an undecided pair of the batch stands for.
   std::span<const std::uint32_t> pairs_of(const UndecidedPair& pair) const {

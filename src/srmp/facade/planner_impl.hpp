@@ -41,6 +41,19 @@ struct PlannerInterface::Impl {
     result.reset();
   }
 
+  /// Runs a change of one object: adds or removes it, or changes what it is. The checkers follow, unless a robot held
+  /// it. The name is a copy, because the caller's may be part of what is removed.
+  template <class Change>
+  void change_object(const std::string name, Change&& apply) {
+    const bool held = scene.attachments().contains(name);
+    apply(scene);
+    if (held)
+      checkers.clear();
+    else
+      checkers.object_changed(name);
+    result.reset();
+  }
+
   /// Moves an object that no robot holds; the checkers follow it.
   void move_object(const std::string& name, const Pose& pose) {
     scene.set_object_pose(name, pose);

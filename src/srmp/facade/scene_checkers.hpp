@@ -44,9 +44,11 @@ class SceneCheckers {
   bool has_other_backend() const { return static_cast<bool>(backend_); }
   /// The scene has changed.
   void clear();
-  /// An object stands elsewhere, and nothing else has changed: the library's own checkers follow it when they are next
-  /// needed.
+  /// An object that no robot holds stands elsewhere, and nothing else has changed: the library's own checkers follow it
+  /// when they are next needed.
   void object_moved(const std::string& name);
+  /// The same where it was added, removed or replaced; after several of these, checkers are made anew.
+  void object_changed(const std::string& name);
 
  private:
   void follow_objects(const Scene& scene);
@@ -59,7 +61,8 @@ class SceneCheckers {
   std::map<std::pair<std::string, CheckMode>, std::unique_ptr<SceneChecker>> alone_;
   std::map<std::pair<std::string, bool>, std::shared_ptr<ProblemCheckers>> single_;  // with a clearance or not
   std::shared_ptr<ProblemCheckers> together_;  // of the last robots that moved together
-  std::set<std::string> moved_;                // objects that these checkers have not followed
+  std::set<std::string> changed_;              // objects that these checkers have not followed
+  int changes_{};                              // so many of them were not only moved
   std::vector<Eigen::VectorXd> others_;        // where the robots that stand still did for `together_`
 };
 

@@ -65,9 +65,9 @@ std::unique_ptr<const Checker> GroupCheckers::make(const std::string& robot, con
   return backend_ ? backend_(scene_, robot, options) : make_checker(scene_, robot, options);
 }
 
-void GroupCheckers::move_objects(const Scene& scene, const std::set<std::string>& names) {
-  for (const std::string& name : names) scene_.set_object_pose(name, scene.object(name).pose);
-  for (const auto& checker : own_) checker->move_objects(scene_, names);  // pairs of robots leave objects out
+void GroupCheckers::follow_objects(const Scene& scene, const std::set<std::string>& names) {
+  scene_.follow_objects(scene, names);
+  for (const auto& checker : own_) checker->follow_objects(scene_, names);  // pairs of robots leave objects out
 }
 
 const Checker* GroupCheckers::pair_by_spheres(std::size_t i, std::size_t j) const {
@@ -82,10 +82,10 @@ const Checker* GroupCheckers::pair_by_spheres(std::size_t i, std::size_t j) cons
   return checker.get();
 }
 
-void ProblemCheckers::move_objects(const Scene& scene, const std::set<std::string>& names) {
-  planning.move_objects(scene, names);
-  if (verification_) verification_->move_objects(scene, names);
-  if (clearance_verification_) clearance_verification_->move_objects(scene, names);
+void ProblemCheckers::follow_objects(const Scene& scene, const std::set<std::string>& names) {
+  planning.follow_objects(scene, names);
+  if (verification_) verification_->follow_objects(scene, names);
+  if (clearance_verification_) clearance_verification_->follow_objects(scene, names);
   with_clearance_.clear();
 }
 

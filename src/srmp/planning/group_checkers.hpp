@@ -23,8 +23,8 @@ class GroupCheckers {
 
   /// Another checker of the scene, by the same backend.
   std::unique_ptr<const Checker> make(const std::string& robot, const CheckerOptions& options) const;
-  /// As SceneChecker::move_objects; only without a backend of the user's.
-  void move_objects(const Scene& scene, const std::set<std::string>& names);
+  /// As SceneChecker::follow_objects; only without a backend of the user's.
+  void follow_objects(const Scene& scene, const std::set<std::string>& names);
 
   const Scene& scene() const { return scene_; }
   const std::vector<std::string>& names() const { return names_; }
@@ -65,8 +65,8 @@ class ProblemCheckers {
                   std::size_t threads = 1, const CheckerFactory& backend = {}, const Deadline& deadline = {})
       : options(options), planning(scene, robots, options, threads, backend, deadline), threads_(threads) {}
 
-  /// As GroupCheckers::move_objects, of all of them.
-  void move_objects(const Scene& scene, const std::set<std::string>& names);
+  /// As GroupCheckers::follow_objects, of all of them.
+  void follow_objects(const Scene& scene, const std::set<std::string>& names);
 
   const CheckerOptions options;  ///< of those that plan
   GroupCheckers planning;

@@ -401,6 +401,16 @@ void Scene::forget_allowed(const std::string& body) {
                 [&](const auto& entry) { return mentions(entry.first.first) || mentions(entry.first.second); });
 }
 
+void Scene::follow_objects(const Scene& other, const std::set<std::string>& names) {
+  for (const std::string& name : names)
+    if (const auto found = other.objects_.find(name); found != other.objects_.end())
+      objects_.insert_or_assign(name, found->second);
+    else
+      objects_.erase(name);
+  groups_ = other.groups_;
+  allowed_ = other.allowed_;
+}
+
 void Scene::reset() { *this = Scene(); }
 
 }  // namespace srmp

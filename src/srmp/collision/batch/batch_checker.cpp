@@ -47,6 +47,9 @@ BatchChecker::BatchChecker(const BatchWorld& world, SimdBackend backend)
 BatchChecker::BatchChecker(std::shared_ptr<const BatchRobotModel> robot, const BatchPairs& pairs, SimdBackend backend)
     : impl_(std::make_unique<const BatchModel>(std::move(robot), pairs, backend)) {}
 
+BatchChecker::BatchChecker(const BatchChecker& before, const BatchPairs& pairs, std::span<const int> known)
+    : impl_(std::make_unique<const BatchModel>(*before.impl_, pairs, known)) {}
+
 BatchChecker::~BatchChecker() = default;
 BatchChecker::BatchChecker(BatchChecker&&) noexcept = default;
 std::size_t BatchChecker::dof() const { return impl_->robot->dof; }

@@ -54,6 +54,9 @@ class BatchChecker {
   /// Of a robot that others may share.
   BatchChecker(std::shared_ptr<const BatchRobotModel> robot, const BatchPairs& pairs,
                SimdBackend backend = default_simd_backend());
+  /// As `before`, with other obstacles and pairs, whose numbers are in range: known[i] is the number before of an
+  /// obstacle that is the same, or -1. Throws as above for the other obstacles.
+  BatchChecker(const BatchChecker& before, const BatchPairs& pairs, std::span<const int> known);
   ~BatchChecker();
   BatchChecker(BatchChecker&&) noexcept;
 

@@ -81,12 +81,39 @@ BatchModel::BatchModel(std::shared_ptr<const BatchRobotModel> batch_robot, const
   if (!is_available(backend)) throw InvalidArgument("batch checker: this CPU does not have " + to_string(backend));
   kernel = kernel_of(backend);
   require_valid(pairs);
+  make_room(pairs);
+  for (const BatchObstacle& obstacle : pairs.obstacles) add_obstacle(obstacle);
+  add_all_pairs(pairs);
+}
+
+BatchModel::BatchModel(const BatchModel& before, const BatchPairs& pairs, std::span<const int> known)
+    : robot(before.robot), backend(before.backend), kernel(before.kernel), bodies(robot->bodies) {
+  make_room(pairs);
+  for (std::size_t i = 0; i < pairs.obstacles.size(); ++i) {
+    if (known[i] < 0) {
+      require_valid_obstacle(pairs.obstacles[i], {"obstacle", i});
+      add_obstacle(pairs.obstacles[i]);
+      continue;
+    }
+    const auto number = static_cast<std::size_t>(known[i]);
+    obstacles.push_back(before.obstacles[number]);
+    nearest_.push_back(before.nearest_[number]);
+    boxes_.push_back(before.boxes_[number]);
+  }
+  add_all_pairs(pairs);
+}
+
+void BatchModel::make_room(const BatchPairs& pairs) {
   obstacles.reserve(pairs.obstacles.size());
   nearest_.reserve(pairs.obstacles.size());
   boxes_.reserve(pairs.obstacles.size());
-  for (const BatchObstacle& obstacle : pairs.obstacles) add_obstacle(obstacle);
-  add_pairs(pairs);
   self_pairs.reserve(pairs.self_pairs.size());
+}
+
+void BatchModel::add_all_pairs(const BatchPairs& pairs) {
+  if (pairs.obstacle_pairs.size() + pairs.self_pairs.size() > max_pairs)
+    throw InvalidArgument("batch checker: there are more than 4 million pairs");
+  add_pairs(pairs);
   for (const BatchSelfPair& pair : pairs.self_pairs) add_self_pair(pair);
 }
 
@@ -102,8 +129,6 @@ void BatchModel::require_valid(const BatchPairs& pairs) const {
     require_index(pairs.self_pairs[i].a, bodies.size(), part, "first body");
     require_index(pairs.self_pairs[i].b, bodies.size(), part, "second body");
   }
-  if (pairs.obstacle_pairs.size() + pairs.self_pairs.size() > max_pairs)
-    throw InvalidArgument("batch checker: there are more than 4 million pairs");
 }
 
 void BatchModel::add_obstacle(const BatchObstacle& o) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "srmp/collision/batch/batch_data.hpp"
@@ -15,6 +16,9 @@ namespace srmp {
 struct BatchModel {
   /// Throws InvalidArgument for what BatchChecker refuses.
   BatchModel(std::shared_ptr<const BatchRobotModel> batch_robot, const BatchPairs& pairs, SimdBackend simd);
+
+  /// As BatchChecker's constructor from another.
+  BatchModel(const BatchModel& before, const BatchPairs& pairs, std::span<const int> known);
 
   std::shared_ptr<const BatchRobotModel> robot;
   SimdBackend backend{};
@@ -46,7 +50,9 @@ struct BatchModel {
 
  private:
   void require_valid(const BatchPairs& pairs) const;
+  void make_room(const BatchPairs& pairs);
   void add_obstacle(const BatchObstacle& obstacle);
+  void add_all_pairs(const BatchPairs& pairs);
   void add_pairs(const BatchPairs& pairs);
   void add_self_pair(const BatchSelfPair& pair);
 

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 #include "srmp/collision/bodies.hpp"
@@ -153,28 +154,27 @@ class Builder {
       : bodies_(bodies), group_(group), cover_of_(cover_of) {}
 
   BatchScene build(BatchRobotStore& known) {
-    for (const MovingBody& body : bodies_.moving) body_of_moving_.push_back(add_moving(body));
-    moving_ = geometries_.size();
-    fixed_.reserve(bodies_.fixed.size());
+    for (const MovingBody& body : bodies_.moving) scene_.body_of_moving.push_back(add_moving(body));
+    moving_ = scene_.geometry_counts.size();
+    scene_.of_fixed.reserve(bodies_.fixed.size());
     scene_.pairs.obstacles.reserve(bodies_.fixed.size());
     for (std::size_t i = 0; i < bodies_.fixed.size(); ++i) add_fixed(i);
     scene_.robot = known.get(key(), [&] { return RobotBuilder(group_, pieces_).build(); });
-    add_pairs();
-    for (const auto& [is_obstacle, index] : fixed_) scene_.obstacle_of_fixed.push_back(is_obstacle ? index : -1);
+    scene_.make_pairs(bodies_);
     return std::move(scene_);
   }
 
  private:
   void add_piece(Piece piece) {
     if (piece.of->kind == BodyKind::link) piece.cover = cover_of_(*piece.of->geometry);
-    if (piece.body == geometries_.size()) geometries_.push_back(0);
-    ++geometries_[piece.body];
+    if (piece.body == scene_.geometry_counts.size()) scene_.geometry_counts.push_back(0);
+    ++scene_.geometry_counts[piece.body];
     pieces_.push_back(std::move(piece));
   }
 
   int add_moving(const MovingBody& body) {
-    const auto [place, added] =
-        links_.try_emplace(std::pair(body.name_id, body.attached()), static_cast<int>(geometries_.size()));
+    const auto [place, added] = links_.try_emplace(std::pair(std::string_view(body.scene_name), body.attached()),
+                                                   static_cast<int>(scene_.geometry_counts.size()));
     const auto number = static_cast<std::size_t>(place->second);
     add_piece({number, &body, &body, body.attached() ? body.in_link : Eigen::Isometry3d::Identity(), nullptr});
     return place->second;
@@ -218,73 +218,21 @@ class Builder {
     std::vector<int> pairs(moving_);
     for (std::size_t i = 0; i < bodies_.moving.size(); ++i)
       if (bodies_.fixed_pair[i * bodies_.fixed.size() + fixed] >= 0)
-        ++pairs[static_cast<std::size_t>(body_of_moving_[i])];
+        ++pairs[static_cast<std::size_t>(scene_.body_of_moving[i])];
     for (std::size_t i = 0; i < pairs.size(); ++i)
-      if (pairs[i] != 0 && pairs[i] != geometries_[i]) return false;
+      if (pairs[i] != 0 && pairs[i] != scene_.geometry_counts[i]) return false;
     return true;
   }
 
   void add_fixed(std::size_t fixed) {
     const FixedBody& from = bodies_.fixed[fixed];
     if (is_obstacle(fixed)) {
-      fixed_.push_back({true, static_cast<int>(scene_.pairs.obstacles.size())});
+      scene_.of_fixed.push_back({true, static_cast<int>(scene_.pairs.obstacles.size())});
       scene_.pairs.obstacles.push_back(as_obstacle(from, bodies_.clearance()));
       return;
     }
-    fixed_.push_back({false, static_cast<int>(geometries_.size())});
-    add_piece({geometries_.size(), &from, nullptr, from.pose, nullptr});
-  }
-
-  void add_pairs() {
-    const std::size_t bodies = geometries_.size(), obstacles = scene_.pairs.obstacles.size();
-    std::vector<std::uint32_t> obstacle_places, self_places, by_obstacles, by_bodies;
-    obstacle_places.reserve(bodies_.pairs.size());
-    by_obstacles.reserve(bodies_.pairs.size());
-    scene_.pairs.obstacle_pairs.reserve(bodies_.pairs.size());
-    for (std::uint32_t id = 0; id < bodies_.pairs.size(); ++id) {
-      const Pair& pair = bodies_.pairs[id];
-      const auto a = static_cast<std::size_t>(body_of_moving_[pair.a]);
-      const auto [is_obstacle, index] =
-          pair.b_fixed ? fixed_[pair.b] : std::pair<bool, int>(false, body_of_moving_[pair.b]);
-      const auto b = static_cast<std::size_t>(index);
-      const std::size_t place = is_obstacle ? a * obstacles + b : std::min(a, b) * bodies + std::max(a, b);
-      (is_obstacle ? obstacle_places : self_places).push_back(static_cast<std::uint32_t>(place));
-      (is_obstacle ? by_obstacles : by_bodies).push_back(id);
-    }
-    scene_.obstacle_pairs = lists_of(by_obstacles, obstacle_places, bodies * obstacles, [&](std::size_t place) {
-      scene_.pairs.obstacle_pairs.emplace_back(place / obstacles, place % obstacles);
-    });
-    std::vector<std::size_t> places;
-    scene_.self_pairs =
-        lists_of(by_bodies, self_places, bodies * bodies, [&](std::size_t place) { places.push_back(place); });
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const auto a = places[i] / bodies, b = places[i] % bodies;
-      const std::span<const std::uint32_t> pairs = scene_.self_pairs[i];
-      // Where some geometries of the two may touch, a hit proves nothing.
-      const bool all =
-          pairs.size() == static_cast<std::size_t>(geometries_[a]) * static_cast<std::size_t>(geometries_[b]);
-      const double padding = bodies_.pairs[pairs.front()].padding + NarrowPhase::contact_distance;
-      scene_.pairs.self_pairs.push_back({static_cast<int>(a), static_cast<int>(b), padding, all});
-    }
-  }
-
-  /// Makes a list for each place that has numbers, in the order of places, and calls tell(place); numbers keep their
-  /// order.
-  template <class Tell>
-  static NumberLists lists_of(const std::vector<std::uint32_t>& numbers, const std::vector<std::uint32_t>& places,
-                              std::size_t place_count, Tell&& tell) {
-    std::vector<std::uint32_t> next(place_count + 1);  // free slot of each place
-    for (const std::uint32_t place : places) ++next[place + 1];
-    std::partial_sum(next.begin(), next.end(), next.begin());
-    NumberLists lists;
-    lists.numbers.resize(numbers.size());
-    for (std::size_t i = 0; i < numbers.size(); ++i) lists.numbers[next[places[i]]++] = numbers[i];
-    for (std::size_t place = 0; place < place_count; ++place) {  // `next` is where each place ends
-      if (next[place] == (place == 0 ? 0 : next[place - 1])) continue;
-      lists.ends.push_back(next[place]);
-      tell(place);
-    }
-    return lists;
+    scene_.of_fixed.push_back({false, static_cast<int>(scene_.geometry_counts.size())});
+    add_piece({scene_.geometry_counts.size(), &from, nullptr, from.pose, nullptr});
   }
 
   const Bodies& bodies_;
@@ -292,14 +240,84 @@ class Builder {
   const CoverOf& cover_of_;
   BatchScene scene_;
   std::vector<Piece> pieces_;
-  std::vector<int> geometries_;  // of each body of the batch
-  std::size_t moving_{};         // so many of these move, the first ones
-  std::vector<int> body_of_moving_;
-  std::vector<std::pair<bool, int>> fixed_;            // of Bodies::fixed: (obstacle?, index)
-  std::map<std::pair<std::size_t, bool>, int> links_;  // by name_id
+  std::size_t moving_{};                                    // so many bodies of the robot move, the first ones
+  std::map<std::pair<std::string_view, bool>, int> links_;  // by scene name, and whether it is an object
 };
 
 }  // namespace
+
+std::vector<int> BatchScene::follow(const Bodies& bodies, std::span<const FixedChange> changes) {
+  using Kind = FixedChange::Kind;
+  constexpr int changed = -1;
+  bool renumbered = false;
+  for (const auto& [kind, index] : changes) {
+    const auto at = of_fixed.begin() + static_cast<std::ptrdiff_t>(index);
+    if (kind == Kind::inserted) of_fixed.insert(at, {true, changed});
+    if (kind == Kind::erased) of_fixed.erase(at);
+    if (kind == Kind::replaced || kind == Kind::moved) at->number = changed;
+    renumbered = renumbered || kind != Kind::moved;
+  }
+  std::vector<BatchObstacle> obstacles;
+  std::vector<int> before;
+  obstacles.reserve(of_fixed.size());
+  before.reserve(of_fixed.size());
+  for (std::size_t i = 0; i < of_fixed.size(); ++i) {
+    auto& [is_obstacle, number] = of_fixed[i];
+    if (!is_obstacle) continue;
+    obstacles.push_back(number == changed ? as_obstacle(bodies.fixed[i], bodies.clearance())
+                                          : std::move(pairs.obstacles[static_cast<std::size_t>(number)]));
+    before.push_back(number);
+    number = static_cast<int>(obstacles.size()) - 1;
+  }
+  pairs.obstacles = std::move(obstacles);
+  if (renumbered) make_pairs(bodies);
+  return before;
+}
+
+void BatchScene::make_pairs(const Bodies& bodies) {
+  // The places of pairs: of a body and an obstacle, then of two bodies, the one with the lower number first.
+  const std::size_t count = geometry_counts.size(), obstacles = pairs.obstacles.size(), first_self = count * obstacles;
+  const auto place_of = [=, moving = std::span(body_of_moving), fixed = std::span(of_fixed)](const Pair& pair) {
+    const auto a = static_cast<std::size_t>(moving[pair.a]);
+    const Part other = pair.b_fixed ? fixed[pair.b] : Part{false, moving[pair.b]};
+    const auto b = static_cast<std::size_t>(other.number);
+    return other.is_obstacle ? a * obstacles + b : first_self + std::min(a, b) * count + std::max(a, b);
+  };
+  std::vector<std::uint32_t> next(first_self + count * count + 1), places(bodies.pairs.size()), ids(places.size());
+  for (std::size_t id = 0; id < places.size(); ++id) {
+    places[id] = static_cast<std::uint32_t>(place_of(bodies.pairs[id]));
+    ++next[places[id] + 1];
+  }
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  for (std::size_t id = 0; id < places.size(); ++id) ids[next[places[id]]++] = static_cast<std::uint32_t>(id);
+
+  // `next` is where each place ends.
+  const std::uint32_t* end = next.data();
+  const auto make_lists = [&](NumberLists& lists, std::size_t columns, auto&& add) {
+    const std::uint32_t begin = end == next.data() ? 0 : end[-1];
+    std::uint32_t last = begin;
+    lists.ends.clear();
+    lists.ends.reserve(count * columns);
+    for (std::size_t a = 0; a < count; ++a)
+      for (std::size_t b = 0; b < columns; ++b, last = *end++)
+        if (*end != last) {
+          lists.ends.push_back(*end - begin);
+          add(static_cast<int>(a), static_cast<int>(b), std::span(ids).subspan(last, *end - last));
+        }
+    lists.numbers.assign(ids.begin() + begin, ids.begin() + last);
+  };
+  pairs.obstacle_pairs.clear();
+  pairs.obstacle_pairs.reserve(first_self);
+  make_lists(obstacle_pairs, obstacles,
+             [&](int a, int b, std::span<const std::uint32_t>) { pairs.obstacle_pairs.emplace_back(a, b); });
+  pairs.self_pairs.clear();
+  make_lists(self_pairs, count, [&](int a, int b, std::span<const std::uint32_t> of_both) {
+    // Where some geometries of the two may touch, a hit proves nothing.
+    const bool all = of_both.size() == static_cast<std::size_t>(geometry_counts[static_cast<std::size_t>(a)]) *
+                                           static_cast<std::size_t>(geometry_counts[static_cast<std::size_t>(b)]);
+    pairs.self_pairs.push_back({a, b, bodies.pairs[of_both.front()].padding + NarrowPhase::contact_distance, all});
+  });
+}
 
 BatchScene make_batch_scene(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of,
                             BatchRobotStore& known) {

@@ -14,6 +14,7 @@ namespace srmp::detail {
 
 struct Bodies;
 struct FixedBody;
+struct FixedChange;
 class RobotGroup;
 
 /// Returns the cover of a link's geometry, not null.
@@ -36,8 +37,21 @@ struct BatchScene {
   BatchPairs pairs;
   /// By index of BatchPairs::obstacle_pairs and self_pairs: the pairs of Bodies that each stands for, increasing.
   NumberLists obstacle_pairs, self_pairs;
-  /// Of each fixed body, which obstacle it is; -1: none, but a body of the robot.
-  std::vector<int> obstacle_of_fixed;
+
+  /// What a body of Bodies is in the batch: the number of an obstacle, or of a body of the robot.
+  struct Part {
+    bool is_obstacle{};
+    int number{};
+  };
+  std::vector<int> body_of_moving;   ///< of each moving body, its number in the robot
+  std::vector<Part> of_fixed;        ///< of each fixed body
+  std::vector<int> geometry_counts;  ///< of each body of the robot
+
+  /// Follows what became of Bodies::fixed, where it was objects that changed. Returns the number before of each
+  /// obstacle that is the same, -1 for those that are not.
+  std::vector<int> follow(const Bodies& bodies, std::span<const FixedChange> changes);
+  /// Fills in the pairs, from all else.
+  void make_pairs(const Bodies& bodies);
 };
 
 /// The geometries of one link become one body; so do links that do not move, fixed to the base, and attached objects.

@@ -1,0 +1,159 @@
+// How Bodies follow objects of a scene that changed.
+
+#include <algorithm>
+#include <tuple>
+
+#include "srmp/collision/bodies.hpp"
+#include "srmp/collision/contact_rules.hpp"
+
+namespace srmp::detail {
+
+class Bodies::Following {
+ public:
+  Following(Bodies& bodies, const Scene& scene) : bodies_(bodies), scene_(scene), is_new_(bodies.fixed.size()) {}
+
+  void follow(const std::string& name) {
+    const auto object = scene_.objects().find(name);
+    const bool exists = object != scene_.objects().end();
+    std::size_t index = place_of(name);
+    const bool existed = index < bodies_.fixed.size() && bodies_.fixed[index].name == name;
+    if (!exists && !existed) return;
+    using Kind = FixedChange::Kind;
+    Kind kind = !existed ? Kind::inserted : !exists ? Kind::erased : Kind::replaced;
+    if (kind == Kind::replaced && is_same(bodies_.fixed[index], object->second)) kind = Kind::moved;
+    changes.push_back({kind, index});
+    if (existed) forget_overlaps(index);
+    if (kind == Kind::moved) return move(index, object->second.pose);
+    if (existed) forget_pairs(index);
+    const auto at = static_cast<std::ptrdiff_t>(index);
+    if (kind == Kind::erased) {
+      bodies_.fixed.erase(bodies_.fixed.begin() + at);
+      is_new_.erase(is_new_.begin() + at);
+      renumber(index + 1, -1);
+      return;
+    }
+    if (kind == Kind::inserted) {
+      renumber(index, 1);
+      bodies_.fixed.insert(bodies_.fixed.begin() + at, bodies_.free_object(object->second));
+      is_new_.insert(is_new_.begin() + at, true);
+    } else {
+      bodies_.fixed[index] = bodies_.free_object(object->second);
+      is_new_[index] = true;
+    }
+    add_pairs(index);
+  }
+
+  /// What follows from all changes.
+  void finish() {
+    bodies_.number_pairs();
+    bodies_.build_tree();
+    for (const auto& [a, b] : bodies_.fixed_pairs) {
+      const RigidOverlap pair{true, true, a, b};
+      if ((is_new_[a] || is_new_[b]) && bodies_.overlap(pair)) bodies_.overlaps.push_back(pair);
+    }
+    // Those of moving bodies come first, in their own order.
+    std::stable_sort(bodies_.overlaps.begin(), bodies_.overlaps.end(), [](const auto& a, const auto& b) {
+      if (!a.a_fixed || !b.a_fixed) return a.a_fixed < b.a_fixed;
+      return std::pair(a.a, a.b) < std::pair(b.a, b.b);
+    });
+  }
+
+  std::vector<FixedChange> changes;
+
+ private:
+  /// Where an object is, or is to be inserted: objects come after the group's links, by name, those too that robots
+  /// hold.
+  std::size_t place_of(const std::string& name) const {
+    const auto is_link = [](const FixedBody& body) { return body.kind == BodyKind::link; };
+    auto place = bodies_.fixed.begin();
+    while (place != bodies_.fixed.end() && is_link(*place) && place->robot >= 0) ++place;
+    const auto end = std::find_if(place, bodies_.fixed.end(), is_link);
+    const auto by_name = [](const FixedBody& body, const std::string& other) { return body.name < other; };
+    return static_cast<std::size_t>(std::lower_bound(place, end, name, by_name) - bodies_.fixed.begin());
+  }
+
+  static bool is_same(const FixedBody& body, const Object& object) {
+    return body.geometry == object.geometry && body.padding == object.padding;
+  }
+
+  void move(std::size_t index, const Pose& pose) {
+    FixedBody& body = bodies_.fixed[index];
+    body.pose = bodies_.in_base(pose);
+    body.center = body.pose * body.bounds.center;
+    is_new_[index] = true;
+  }
+
+  void forget_overlaps(std::size_t index) {
+    std::erase_if(bodies_.overlaps, [&](const RigidOverlap& pair) {
+      return (pair.a_fixed && pair.a == index) || (pair.b_fixed && pair.b == index);
+    });
+  }
+
+  void forget_pairs(std::size_t index) {
+    const auto& examples = bodies_.formulas.examples();
+    const FixedBody& body = bodies_.fixed[index];
+    if (std::any_of(examples.begin(), examples.end(), [&](const auto& pair) { return pair.second == body.solid; }))
+      bodies_.examples_.push_back(body.parts.hull);
+    std::erase_if(bodies_.pairs, [&](const Pair& pair) { return pair.b_fixed && pair.b == index; });
+    std::erase_if(bodies_.fixed_pairs, [&](const auto& pair) { return pair.first == index || pair.second == index; });
+  }
+
+  /// What is numbered from `first` on gets other numbers.
+  void renumber(std::size_t first, int by) {
+    const auto renumber = [&](bool is_fixed, std::uint32_t& number) {
+      if (is_fixed && number >= first) number = static_cast<std::uint32_t>(static_cast<int>(number) + by);
+    };
+    for (std::vector<Pair>* pairs : {&bodies_.pairs, &bodies_.apart})
+      for (Pair& pair : *pairs) renumber(pair.b_fixed, pair.b);
+    for (RigidOverlap& pair : bodies_.overlaps) renumber(pair.a_fixed, pair.a), renumber(pair.b_fixed, pair.b);
+    for (auto& [a, b] : bodies_.fixed_pairs) renumber(true, a), renumber(true, b);
+  }
+
+  /// The order of add_pairs.
+  static bool comes_before(const Pair& x, const Pair& y) {
+    const auto key = [](const Pair& pair) {
+      return pair.b_fixed ? std::tuple(pair.a, false, pair.b)
+                          : std::tuple(std::min(pair.a, pair.b), true, std::max(pair.a, pair.b));
+    };
+    return key(x) < key(y);
+  }
+
+  void add_pairs(std::size_t index) {
+    ContactRules rules(scene_, bodies_.group_, false);
+    const std::vector<PairSide> of_moving = rules.sides(bodies_.moving);
+    const PairSide object = rules.side(bodies_.fixed[index]);
+    std::vector<Pair> all;
+    all.reserve(bodies_.pairs.size() + of_moving.size());
+    auto next = bodies_.pairs.begin();
+    for (std::size_t i = 0; i < of_moving.size(); ++i) {
+      if (!rules.count(of_moving[i], object)) continue;
+      const Pair pair = bodies_.pair_of(of_moving[i], i, object, true, index);
+      const auto place = std::lower_bound(next, bodies_.pairs.end(), pair, comes_before);
+      all.insert(all.end(), next, place);
+      all.push_back(pair);
+      next = place;
+    }
+    all.insert(all.end(), next, bodies_.pairs.end());
+    bodies_.pairs = std::move(all);
+    for (std::uint32_t i = 0; i < bodies_.fixed.size(); ++i)
+      if (i != index && bodies_.fixed[i].robot == 0 && rules.count(rules.side(bodies_.fixed[i]), object)) {
+        const std::pair pair(i, static_cast<std::uint32_t>(index));
+        bodies_.fixed_pairs.insert(std::upper_bound(bodies_.fixed_pairs.begin(), bodies_.fixed_pairs.end(), pair),
+                                   pair);
+      }
+  }
+
+  Bodies& bodies_;
+  const Scene& scene_;
+  std::vector<char> is_new_;  // by fixed body: it stands where it did not
+};
+
+std::vector<FixedChange> Bodies::follow_objects(const Scene& scene, const std::set<std::string>& names) {
+  if (options_.other_robots_only) return {};
+  Following following(*this, scene);
+  for (const std::string& name : names) following.follow(name);
+  if (!following.changes.empty()) following.finish();
+  return std::move(following.changes);
+}
+
+}  // namespace srmp::detail
