@@ -7,48 +7,17 @@
 #include <string>
 #include <vector>
 
+#include "srmp/collision/body.hpp"
 #include "srmp/collision/broad_phase.hpp"
 #include "srmp/collision/checker.hpp"
 #include "srmp/collision/narrow_phase.hpp"
 #include "srmp/collision/pair_table.hpp"
 #include "srmp/collision/robot_group.hpp"
-#include "srmp/geometry/distance_field.hpp"
-#include "srmp/scene/shape_geometry.hpp"
 
 // What a SceneChecker keeps of a scene: bodies, and the pairs of them whose contact is a collision. All poses are in
 // the base frame of the first robot of a group, which is the planned one. The others move too, but only their contact
 // with the first one counts.
 namespace srmp::detail {
-
-struct Body {
-  std::string name;
-  BodyKind kind{};
-  std::shared_ptr<const coal::CollisionGeometry> geometry;
-  GeometryParts parts;
-  std::shared_ptr<const DistanceField> field;  // of an object, or of a link that no planned joint moves
-  Bounds bounds;
-  Core core;
-  double padding{};
-  int robot{-1};            // of the group: whose link it is, or whose link holds it; -1: none of them
-  std::uint64_t support{};  // actuated joints of the group that move it
-  std::string scene_name;   // as the scene resolves it
-  std::size_t source{};     // geometry index of a link; link index of an object that a moving link holds
-  /// The geometry, or a convex solid around it; null when there are only the geometry's primitives.
-  const coal::CollisionGeometry* solid{};
-
-  bool is_solid() const { return !parts.bvh; }
-};
-
-/// Moved by the group's joints: a geometry of a robot, or an object that a link holds.
-struct MovingBody : Body {
-  Eigen::Isometry3d in_link;  // of an attached object
-  bool attached() const { return kind == BodyKind::attached_object; }
-};
-
-struct FixedBody : Body {
-  Eigen::Isometry3d pose;
-  Eigen::Vector3d center;  // of the bounding sphere
-};
 
 /// Two bodies that move relative to each other and may not touch.
 struct Pair {

@@ -6,7 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "srmp/collision/bodies.hpp"
+#include "srmp/collision/body.hpp"
+#include "srmp/collision/robot_group.hpp"
+#include "srmp/scene/scene.hpp"
 
 namespace srmp::detail {
 
