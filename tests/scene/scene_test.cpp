@@ -230,6 +230,7 @@ BOOST_AUTO_TEST_CASE(a_scene_follows_the_objects_of_another) {
   BOOST_TEST(scene.object("new").padding == 0.01);
   BOOST_TEST(scene.object("table").pose.p.x() == 3.0);
   BOOST_TEST(scene.groups().at("desk").objects.size() == 1u);
+  check_throws<InvalidArgument>([&] { scene.follow_objects(other, {"cup"}); }, "'cup' is attached");
   BOOST_TEST(scene.allowed_collision("cup", "table"));
 }
 

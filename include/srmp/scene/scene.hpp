@@ -118,8 +118,9 @@ class Scene {
   /// in an equal scene gives equal settings.
   const std::map<std::pair<std::string, std::string>, bool>& allowed_settings() const { return allowed_; }
 
-  /// Objects of these names become what they are in `other`, with their groups and allowed collisions: added, changed
-  /// or removed. Nothing else of the two scenes may differ.
+  /// Objects of these names become what they are in `other`: added, changed or removed. All groups and allowed
+  /// collisions become those of `other`; nothing else of the two scenes may differ. Throws InvalidArgument for an
+  /// object that is attached in one of them.
   void follow_objects(const Scene& other, const std::set<std::string>& names);
 
   // --- the content, by name

@@ -57,6 +57,11 @@ Body object_body(const Object& object, BodyKind kind) {
           solid_of(object.parts)};
 }
 
+FixedBody placed(Body body, const Eigen::Isometry3d& pose) {
+  const Eigen::Vector3d center = pose * body.bounds.center;
+  return {std::move(body), pose, center};
+}
+
 }  // namespace
 
 Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions& options,
@@ -107,16 +112,10 @@ Eigen::Isometry3d Bodies::in_base(const Pose& pose) const {
   return (group_.instance(0).base.inverse() * pose).isometry();
 }
 
-void Bodies::add_fixed(Body body, const Eigen::Isometry3d& pose) {
-  const Eigen::Vector3d center = pose * body.bounds.center;
-  fixed.push_back({std::move(body), pose, center});
-}
+void Bodies::add_fixed(Body body, const Eigen::Isometry3d& pose) { fixed.push_back(placed(std::move(body), pose)); }
 
 FixedBody Bodies::free_object(const Object& object) const {
-  Body body = object_body(object, BodyKind::object);
-  const Eigen::Isometry3d pose = in_base(object.pose);
-  const Eigen::Vector3d center = pose * body.bounds.center;
-  return {std::move(body), pose, center};
+  return placed(object_body(object, BodyKind::object), in_base(object.pose));
 }
 
 void Bodies::add_links(int robot) {

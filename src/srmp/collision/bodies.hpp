@@ -52,8 +52,8 @@ struct Bodies {
   Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions& options,
          std::vector<const PairTables*> tables);
 
-  /// Objects of these names that no robot holds were added to `scene`, removed or moved since, and nothing else has
-  /// changed: all that depends on them is as if made anew. Returns what became of `fixed`, in this order.
+  /// Objects of these names that no robot holds were added to `scene`, removed, replaced or moved since, and nothing
+  /// else has changed: all that depends on them is as if made anew. Returns what became of `fixed`, in this order.
   std::vector<FixedChange> follow_objects(const Scene& scene, const std::set<std::string>& names);
 
   /// Is this robot, which is not in the group, left out with all that it holds?
@@ -81,7 +81,8 @@ struct Bodies {
   std::vector<std::int32_t> fixed_pair;     // [moving * fixed.size() + fixed] → pair, or -1
   std::vector<std::uint32_t> moving_pairs;  // pairs of two moving bodies
   std::vector<RigidOverlap> overlaps;
-  /// Fixed bodies of the planned robot, and others that they may not touch; without those that overlap.
+  /// Fixed bodies of the planned robot, and others that they may not touch; those too that overlap, because objects of
+  /// a pair can move.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> fixed_pairs;
   BoxBvh tree;                 // over the boxes around fixed
   double max_fixed_padding{};  // with the clearance
@@ -116,8 +117,9 @@ struct Bodies {
   const RobotGroup& group_;
   CheckerOptions options_;
   std::vector<const PairTables*> tables_;
-  RobotGroup::Data data_;                                                 // where set_qpos put the robots
-  std::vector<std::shared_ptr<const coal::CollisionGeometry>> examples_;  // of `formulas`, of bodies that are gone
+  RobotGroup::Data data_;  // where set_qpos put the robots
+  std::vector<std::shared_ptr<const coal::CollisionGeometry>>
+      examples_;  // of `formulas`, of bodies that are gone or changed
 };
 
 /// The pose of a moving body at the configuration in `data`.

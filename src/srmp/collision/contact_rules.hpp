@@ -22,14 +22,15 @@ struct PairSide {
   const coal::CollisionGeometry* solid;
 };
 
-/// Decides whether contact between two bodies is a collision. The scene, the group and the bodies outlive this.
+/// Decides whether contact between two bodies is a collision. The scene, the group and the bodies outlive this, and
+/// bodies stay where they are in memory.
 class ContactRules {
  public:
   ContactRules(const Scene& scene, const RobotGroup& group, bool other_robots_only);
 
   PairSide side(const Body& body);
-  template <class Bodies>
-  std::vector<PairSide> sides(const Bodies& bodies) {
+  template <class BodyRange>
+  std::vector<PairSide> sides(const BodyRange& bodies) {
     std::vector<PairSide> sides;
     sides.reserve(bodies.size());
     for (const Body& body : bodies) sides.push_back(side(body));

@@ -1,6 +1,7 @@
 // How Bodies follow objects of a scene that changed.
 
 #include <algorithm>
+#include <cstddef>
 #include <tuple>
 
 #include "srmp/collision/bodies.hpp"
@@ -10,46 +11,56 @@ namespace srmp::detail {
 
 class Bodies::Following {
  public:
-  Following(Bodies& bodies, const Scene& scene) : bodies_(bodies), scene_(scene), is_new_(bodies.fixed.size()) {}
+  Following(Bodies& bodies, const Scene& scene) : bodies_(bodies), scene_(scene), changed_(bodies.fixed.size()) {
+    const auto begin = bodies.fixed.begin();
+    const auto is_link = [](const FixedBody& body) { return body.kind == BodyKind::link; };
+    const auto first =
+        std::find_if(begin, bodies.fixed.end(), [&](const auto& body) { return !is_link(body) || body.robot < 0; });
+    first_object_ = first - begin;
+    end_of_objects_ = std::find_if(first, bodies.fixed.end(), is_link) - begin;
+  }
 
   void follow(const std::string& name) {
     const auto object = scene_.objects().find(name);
     const bool exists = object != scene_.objects().end();
-    std::size_t index = place_of(name);
-    const bool existed = index < bodies_.fixed.size() && bodies_.fixed[index].name == name;
+    const std::size_t index = place_of(name);
+    const bool existed = static_cast<std::ptrdiff_t>(index) < end_of_objects_ && bodies_.fixed[index].name == name;
     if (!exists && !existed) return;
     using Kind = FixedChange::Kind;
     Kind kind = !existed ? Kind::inserted : !exists ? Kind::erased : Kind::replaced;
     if (kind == Kind::replaced && is_same(bodies_.fixed[index], object->second)) kind = Kind::moved;
     changes.push_back({kind, index});
-    if (existed) forget_overlaps(index);
     if (kind == Kind::moved) return move(index, object->second.pose);
     if (existed) forget_pairs(index);
     const auto at = static_cast<std::ptrdiff_t>(index);
     if (kind == Kind::erased) {
+      forget_overlaps([&](bool is_fixed, std::uint32_t number) { return is_fixed && number == index; });
+      --end_of_objects_;
       bodies_.fixed.erase(bodies_.fixed.begin() + at);
-      is_new_.erase(is_new_.begin() + at);
+      changed_.erase(changed_.begin() + at);
       renumber(index + 1, -1);
       return;
     }
     if (kind == Kind::inserted) {
+      ++end_of_objects_;
       renumber(index, 1);
       bodies_.fixed.insert(bodies_.fixed.begin() + at, bodies_.free_object(object->second));
-      is_new_.insert(is_new_.begin() + at, true);
+      changed_.insert(changed_.begin() + at, true);
     } else {
       bodies_.fixed[index] = bodies_.free_object(object->second);
-      is_new_[index] = true;
+      changed_[index] = true;
     }
-    add_pairs(index);
+    add_pairs_of(index);
   }
 
-  /// What follows from all changes.
+  /// Updates what depends on all changes together: numbers of pairs, the tree and the overlaps.
   void finish() {
     bodies_.number_pairs();
     bodies_.build_tree();
+    forget_overlaps([&](bool is_fixed, std::uint32_t number) { return is_fixed && changed_[number]; });
     for (const auto& [a, b] : bodies_.fixed_pairs) {
       const RigidOverlap pair{true, true, a, b};
-      if ((is_new_[a] || is_new_[b]) && bodies_.overlap(pair)) bodies_.overlaps.push_back(pair);
+      if ((changed_[a] || changed_[b]) && bodies_.overlap(pair)) bodies_.overlaps.push_back(pair);
     }
     // Those of moving bodies come first, in their own order.
     std::stable_sort(bodies_.overlaps.begin(), bodies_.overlaps.end(), [](const auto& a, const auto& b) {
@@ -64,12 +75,10 @@ class Bodies::Following {
   /// Where an object is, or is to be inserted: objects come after the group's links, by name, those too that robots
   /// hold.
   std::size_t place_of(const std::string& name) const {
-    const auto is_link = [](const FixedBody& body) { return body.kind == BodyKind::link; };
-    auto place = bodies_.fixed.begin();
-    while (place != bodies_.fixed.end() && is_link(*place) && place->robot >= 0) ++place;
-    const auto end = std::find_if(place, bodies_.fixed.end(), is_link);
+    const auto begin = bodies_.fixed.begin();
     const auto by_name = [](const FixedBody& body, const std::string& other) { return body.name < other; };
-    return static_cast<std::size_t>(std::lower_bound(place, end, name, by_name) - bodies_.fixed.begin());
+    return static_cast<std::size_t>(std::lower_bound(begin + first_object_, begin + end_of_objects_, name, by_name) -
+                                    begin);
   }
 
   static bool is_same(const FixedBody& body, const Object& object) {
@@ -80,19 +89,23 @@ class Bodies::Following {
     FixedBody& body = bodies_.fixed[index];
     body.pose = bodies_.in_base(pose);
     body.center = body.pose * body.bounds.center;
-    is_new_[index] = true;
+    changed_[index] = true;
   }
 
-  void forget_overlaps(std::size_t index) {
+  /// Those of bodies of which is_gone(fixed?, number).
+  template <class IsGone>
+  void forget_overlaps(IsGone&& is_gone) {
     std::erase_if(bodies_.overlaps, [&](const RigidOverlap& pair) {
-      return (pair.a_fixed && pair.a == index) || (pair.b_fixed && pair.b == index);
+      return is_gone(pair.a_fixed, pair.a) || is_gone(pair.b_fixed, pair.b);
     });
   }
 
   void forget_pairs(std::size_t index) {
     const auto& examples = bodies_.formulas.examples();
     const FixedBody& body = bodies_.fixed[index];
-    if (std::any_of(examples.begin(), examples.end(), [&](const auto& pair) { return pair.second == body.solid; }))
+    const auto& kept = bodies_.examples_;
+    if (std::any_of(examples.begin(), examples.end(), [&](const auto& pair) { return pair.second == body.solid; }) &&
+        std::find(kept.begin(), kept.end(), body.parts.hull) == kept.end())
       bodies_.examples_.push_back(body.parts.hull);
     std::erase_if(bodies_.pairs, [&](const Pair& pair) { return pair.b_fixed && pair.b == index; });
     std::erase_if(bodies_.fixed_pairs, [&](const auto& pair) { return pair.first == index || pair.second == index; });
@@ -109,7 +122,7 @@ class Bodies::Following {
     for (auto& [a, b] : bodies_.fixed_pairs) renumber(true, a), renumber(true, b);
   }
 
-  /// The order of add_pairs.
+  /// Bodies::add_pairs makes pairs in this order.
   static bool comes_before(const Pair& x, const Pair& y) {
     const auto key = [](const Pair& pair) {
       return pair.b_fixed ? std::tuple(pair.a, false, pair.b)
@@ -118,7 +131,7 @@ class Bodies::Following {
     return key(x) < key(y);
   }
 
-  void add_pairs(std::size_t index) {
+  void add_pairs_of(std::size_t index) {
     ContactRules rules(scene_, bodies_.group_, false);
     const std::vector<PairSide> of_moving = rules.sides(bodies_.moving);
     const PairSide object = rules.side(bodies_.fixed[index]);
@@ -145,7 +158,8 @@ class Bodies::Following {
 
   Bodies& bodies_;
   const Scene& scene_;
-  std::vector<char> is_new_;  // by fixed body: it stands where it did not
+  std::ptrdiff_t first_object_, end_of_objects_;
+  std::vector<char> changed_;  // by fixed body: it was added, replaced or moved
 };
 
 std::vector<FixedChange> Bodies::follow_objects(const Scene& scene, const std::set<std::string>& names) {

@@ -9,8 +9,9 @@ namespace srmp {
 
 namespace {
 
-/// Following an object that was added or removed takes about a tenth of the time of making a checker.
-constexpr int max_changes = 8;
+/// Each object that was added, removed or replaced takes a checker that follows about a tenth of the time of making
+/// one.
+constexpr std::size_t max_replaced = 8;
 
 }  // namespace
 
@@ -76,7 +77,8 @@ void SceneCheckers::object_moved(const std::string& name) { changed_.insert(name
 
 void SceneCheckers::object_changed(const std::string& name) {
   changed_.insert(name);
-  if (++changes_ > max_changes) clear();
+  replaced_.insert(name);
+  if (replaced_.size() > max_replaced) clear();
 }
 
 void SceneCheckers::follow_objects(const Scene& scene) {
@@ -93,12 +95,12 @@ void SceneCheckers::follow_objects(const Scene& scene) {
     throw;
   }
   changed_.clear();
-  changes_ = 0;
+  replaced_.clear();
 }
 
 void SceneCheckers::clear() {
   changed_.clear();
-  changes_ = 0;
+  replaced_.clear();
   alone_.clear();
   single_.clear();
   together_.reset();

@@ -47,7 +47,7 @@ class SceneCheckers {
   /// An object that no robot holds stands elsewhere, and nothing else has changed: the library's own checkers follow it
   /// when they are next needed.
   void object_moved(const std::string& name);
-  /// The same where it was added, removed or replaced; after several of these, checkers are made anew.
+  /// The same where it was added, removed or replaced; after several of these objects, checkers are made anew.
   void object_changed(const std::string& name);
 
  private:
@@ -62,7 +62,7 @@ class SceneCheckers {
   std::map<std::pair<std::string, bool>, std::shared_ptr<ProblemCheckers>> single_;  // with a clearance or not
   std::shared_ptr<ProblemCheckers> together_;  // of the last robots that moved together
   std::set<std::string> changed_;              // objects that these checkers have not followed
-  int changes_{};                              // so many of them were not only moved
+  std::set<std::string> replaced_;             // those of them that were not only moved
   std::vector<Eigen::VectorXd> others_;        // where the robots that stand still did for `together_`
 };
 

@@ -403,6 +403,9 @@ void Scene::forget_allowed(const std::string& body) {
 
 void Scene::follow_objects(const Scene& other, const std::set<std::string>& names) {
   for (const std::string& name : names)
+    if (attachments_.contains(name) || other.attachments_.contains(name))
+      throw InvalidArgument("object '" + name + "' is attached; a scene follows only objects that no robot holds");
+  for (const std::string& name : names)
     if (const auto found = other.objects_.find(name); found != other.objects_.end())
       objects_.insert_or_assign(name, found->second);
     else

@@ -54,8 +54,9 @@ class BatchChecker {
   /// Of a robot that others may share.
   BatchChecker(std::shared_ptr<const BatchRobotModel> robot, const BatchPairs& pairs,
                SimdBackend backend = default_simd_backend());
-  /// As `before`, with other obstacles and pairs, whose numbers are in range: known[i] is the number before of an
-  /// obstacle that is the same, or -1. Throws as above for the other obstacles.
+  /// As `before`, with other obstacles and pairs, whose numbers must be in range. `known` has a number for each
+  /// obstacle: that of the same obstacle before, or -1. Throws as above for obstacles that are new and for too many
+  /// pairs.
   BatchChecker(const BatchChecker& before, const BatchPairs& pairs, std::span<const int> known);
   ~BatchChecker();
   BatchChecker(BatchChecker&&) noexcept;

@@ -156,7 +156,7 @@ class Builder {
   BatchScene build(BatchRobotStore& known) {
     for (const MovingBody& body : bodies_.moving) scene_.body_of_moving.push_back(add_moving(body));
     moving_ = scene_.geometry_counts.size();
-    scene_.of_fixed.reserve(bodies_.fixed.size());
+    scene_.part_of_fixed.reserve(bodies_.fixed.size());
     scene_.pairs.obstacles.reserve(bodies_.fixed.size());
     for (std::size_t i = 0; i < bodies_.fixed.size(); ++i) add_fixed(i);
     scene_.robot = known.get(key(), [&] { return RobotBuilder(group_, pieces_).build(); });
@@ -227,11 +227,11 @@ class Builder {
   void add_fixed(std::size_t fixed) {
     const FixedBody& from = bodies_.fixed[fixed];
     if (is_obstacle(fixed)) {
-      scene_.of_fixed.push_back({true, static_cast<int>(scene_.pairs.obstacles.size())});
+      scene_.part_of_fixed.push_back({true, static_cast<int>(scene_.pairs.obstacles.size())});
       scene_.pairs.obstacles.push_back(as_obstacle(from, bodies_.clearance()));
       return;
     }
-    scene_.of_fixed.push_back({false, static_cast<int>(scene_.geometry_counts.size())});
+    scene_.part_of_fixed.push_back({false, static_cast<int>(scene_.geometry_counts.size())});
     add_piece({scene_.geometry_counts.size(), &from, nullptr, from.pose, nullptr});
   }
 
@@ -249,20 +249,21 @@ class Builder {
 std::vector<int> BatchScene::follow(const Bodies& bodies, std::span<const FixedChange> changes) {
   using Kind = FixedChange::Kind;
   constexpr int changed = -1;
-  bool renumbered = false;
+  bool pairs_changed = false;
   for (const auto& [kind, index] : changes) {
-    const auto at = of_fixed.begin() + static_cast<std::ptrdiff_t>(index);
-    if (kind == Kind::inserted) of_fixed.insert(at, {true, changed});
-    if (kind == Kind::erased) of_fixed.erase(at);
+    const auto at = part_of_fixed.begin() + static_cast<std::ptrdiff_t>(index);
+    if (kind == Kind::inserted)  // an object is an obstacle
+      part_of_fixed.insert(at, {true, changed});
+    if (kind == Kind::erased) part_of_fixed.erase(at);
     if (kind == Kind::replaced || kind == Kind::moved) at->number = changed;
-    renumbered = renumbered || kind != Kind::moved;
+    pairs_changed = pairs_changed || kind != Kind::moved;
   }
   std::vector<BatchObstacle> obstacles;
   std::vector<int> before;
-  obstacles.reserve(of_fixed.size());
-  before.reserve(of_fixed.size());
-  for (std::size_t i = 0; i < of_fixed.size(); ++i) {
-    auto& [is_obstacle, number] = of_fixed[i];
+  obstacles.reserve(part_of_fixed.size());
+  before.reserve(part_of_fixed.size());
+  for (std::size_t i = 0; i < part_of_fixed.size(); ++i) {
+    auto& [is_obstacle, number] = part_of_fixed[i];
     if (!is_obstacle) continue;
     obstacles.push_back(number == changed ? as_obstacle(bodies.fixed[i], bodies.clearance())
                                           : std::move(pairs.obstacles[static_cast<std::size_t>(number)]));
@@ -270,14 +271,14 @@ std::vector<int> BatchScene::follow(const Bodies& bodies, std::span<const FixedC
     number = static_cast<int>(obstacles.size()) - 1;
   }
   pairs.obstacles = std::move(obstacles);
-  if (renumbered) make_pairs(bodies);
+  if (pairs_changed) make_pairs(bodies);
   return before;
 }
 
 void BatchScene::make_pairs(const Bodies& bodies) {
   // The places of pairs: of a body and an obstacle, then of two bodies, the one with the lower number first.
   const std::size_t count = geometry_counts.size(), obstacles = pairs.obstacles.size(), first_self = count * obstacles;
-  const auto place_of = [=, moving = std::span(body_of_moving), fixed = std::span(of_fixed)](const Pair& pair) {
+  const auto place_of = [=, moving = std::span(body_of_moving), fixed = std::span(part_of_fixed)](const Pair& pair) {
     const auto a = static_cast<std::size_t>(moving[pair.a]);
     const Part other = pair.b_fixed ? fixed[pair.b] : Part{false, moving[pair.b]};
     const auto b = static_cast<std::size_t>(other.number);

@@ -44,7 +44,7 @@ struct BatchScene {
     int number{};
   };
   std::vector<int> body_of_moving;   ///< of each moving body, its number in the robot
-  std::vector<Part> of_fixed;        ///< of each fixed body
+  std::vector<Part> part_of_fixed;   ///< of each fixed body
   std::vector<int> geometry_counts;  ///< of each body of the robot
 
   /// Follows what became of Bodies::fixed, where it was objects that changed. Returns the number before of each

@@ -1,4 +1,4 @@
-// Plans after objects have moved are those of a planner that knew nothing of where they stood before.
+// Plans after objects have moved, come or gone are those of a planner that knew nothing of where they stood before.
 
 #include <boost/test/unit_test.hpp>
 #include <cmath>
@@ -57,7 +57,7 @@ std::string plans(PlannerInterface& planner) {
 
 }  // namespace
 
-BOOST_AUTO_TEST_SUITE(moved_objects)
+BOOST_AUTO_TEST_SUITE(followed_objects)
 
 BOOST_AUTO_TEST_CASE(plans_are_those_of_a_new_planner) {
   std::vector<Pose> posts{{.p = {1.5, 0.0, 0.0}}, {.p = {4.6, 0.1, 0.0}}};
