@@ -96,9 +96,7 @@ BOOST_AUTO_TEST_CASE(plans_after_objects_come_and_go_are_those_of_a_new_planner)
     different.insert(expected);
     const std::string name(1, static_cast<char>('a' + step * 5 % 7));
     const Pose pose{.p = {0.4 + 0.1 * step, 0.6 * std::sin(1.3 * step), 0.0}};
-    if (posts.contains(name))
-      planner.remove_object(
-          planner.object_names()[static_cast<std::size_t>(std::distance(posts.begin(), posts.find(name)))]);
+    if (posts.contains(name)) planner.remove_object(name);
     if (!posts.erase(name) || step % 2 == 0) {
       add(planner, name, pose);
       posts[name] = pose;

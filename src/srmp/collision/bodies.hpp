@@ -118,8 +118,8 @@ struct Bodies {
   CheckerOptions options_;
   std::vector<const PairTables*> tables_;
   RobotGroup::Data data_;  // where set_qpos put the robots
-  std::vector<std::shared_ptr<const coal::CollisionGeometry>>
-      examples_;  // of `formulas`, of bodies that are gone or changed
+  // Those of `formulas` that are of bodies that are gone or changed.
+  std::vector<std::shared_ptr<const coal::CollisionGeometry>> examples_;
 };
 
 /// The pose of a moving body at the configuration in `data`.

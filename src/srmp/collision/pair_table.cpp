@@ -111,8 +111,8 @@ class TableBuilder {
   }
 
   /// Are the two proved apart while each joint is within `half` cells of these? As the checker proves a part of a
-  /// motion: in the middle they must be farther apart than both can move; within a
-  /// cell, primitives that are nearer must be separated by planes farther apart than these move across them.
+  /// motion: in the middle they must be farther apart than both can move; within a cell, primitives that are nearer
+  /// must be separated by planes farther apart than these move across them.
   bool apart(double first, double second, double half) {
     constexpr double cell = turn / PairTable::cells;
     q_[turning_.joints[0]] = first * cell;
