@@ -1,3 +1,4 @@
+#include <array>
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <cstdlib>
@@ -54,14 +55,18 @@ BatchWorld random_world(unsigned seed, double spread = 1.0) {
     exact.bound = {{0, 0, 0}, 0.2};
     exact.padding = 0.002;
     world.bodies.push_back(exact);
-    BatchBody covered;  // the body is the sphere of radius 0.06; fine and coarse spheres are around it
+    BatchBody covered;  // the body is the spheres of radius 0.03; fine and coarse spheres are around them
     covered.actuated_joint = k;
     const Eigen::Vector3d c = vector(random, 0.1);
     covered.bound = {c, 0.1};
     covered.coarse = {{c, 0.08}};
-    covered.fine = {{c, 0.065}};
-    covered.children = {{0}};
-    covered.inner = {{c, 0.055}};
+    covered.children.resize(1);
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const Eigen::Vector3d of_part = c + vector(random, 0.025);
+      covered.fine.push_back({of_part, 0.033});
+      covered.children[0].push_back(i);
+      covered.inner.push_back({of_part, 0.03});
+    }
     world.bodies.push_back(covered);
   }
   constexpr int near = 12, obstacles = 40;
@@ -118,10 +123,8 @@ std::vector<std::vector<PlacedSphere>> true_bodies(const BatchWorld& world, std:
   for (const BatchBody& b : world.bodies) {
     const Eigen::Isometry3d frame = b.actuated_joint < 0 ? Eigen::Isometry3d::Identity() : frames[b.actuated_joint];
     std::vector<PlacedSphere> spheres;
-    if (b.exact)
-      for (const PlacedSphere& sphere : b.coarse) spheres.push_back({frame * sphere.center, sphere.radius});
-    else
-      spheres.push_back({frame * b.bound.center, 0.06});
+    for (const PlacedSphere& sphere : b.exact ? b.coarse : b.inner)
+      spheres.push_back({frame * sphere.center, sphere.radius});
     result.push_back(spheres);
   }
   return result;
@@ -431,6 +434,46 @@ BOOST_AUTO_TEST_CASE(what_moves_along_without_coming_nearer_is_free_at_once) {
   const BatchChecker::MotionOptions at_once{.step = 1e9, .refinements = 0, .max_blocks = 1};
   for (const double other : {2.0, 1.0, 0.0, -1.0})
     BOOST_CHECK(checker.motion(start, std::vector<double>{2.0, other}, *workspace, at_once) == CollisionStatus::free);
+}
+
+/// Hollow spheres touch where neither is inside of the other, however small it is.
+BOOST_AUTO_TEST_CASE(inner_spheres_of_hollow_bodies_hit_where_surfaces_intersect) {
+  std::mt19937 random(10);
+  int hits = 0, crossing = 0, inside = 0;
+  for (int i = 0; i < amount(400); ++i) {
+    BatchWorld world = sliding_spheres(2, 0.0, Eigen::Vector3d::UnitX());
+    std::array<double, 2> radii{};
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double r = radii[k] = uniform(random, 0.05, 0.15);
+      BatchBody& body = world.bodies[k];
+      body.hollow = true;
+      body.exact = false;
+      body.bound = {Eigen::Vector3d::Zero(), r};
+      body.coarse = {{Eigen::Vector3d::Zero(), r}};
+      body.inner = {{Eigen::Vector3d::Zero(), r - 1e-3}, {Eigen::Vector3d(0, 0, r / 2), r / 2 - 1e-3}};
+      if (i % 3 == 0) body.inner = {{{0, 0, r / 2}, r / 2 - 1e-3}, {{0, 0, -r / 2}, r / 2 - 1e-3}};  // two clusters
+    }
+    world.self_pairs = {{0, 1, 0.0}};
+    const BatchChecker checker(world);
+    const auto workspace = checker.make_workspace();
+    std::vector<double> q;
+    for (int lane = 0; lane < 16; ++lane) {
+      q.push_back(0.0);
+      q.push_back(uniform(random, -0.3, 0.3));
+    }
+    const auto lanes = checker.check_block(q, *workspace);
+    for (std::size_t lane = 0; lane < 16; ++lane) {
+      const double distance = std::abs(q[2 * lane + 1] - q[2 * lane]);
+      const bool touch = distance < radii[0] + radii[1] && distance > std::abs(radii[0] - radii[1]);
+      if (lanes.colliding >> lane & 1) BOOST_REQUIRE(touch);
+      if (!((lanes.colliding | lanes.undecided) >> lane & 1)) BOOST_REQUIRE(!touch);
+      hits += lanes.colliding >> lane & 1;
+      crossing += touch;
+      inside += distance < std::abs(radii[0] - radii[1]);
+    }
+  }
+  BOOST_TEST(hits > crossing / 2);
+  BOOST_TEST(inside > amount(400));
 }
 
 /// What is left out for several lanes at once may not be more than what each would leave out.

@@ -187,38 +187,81 @@ GeometryCover mesh_cover(const GeometryContent& content) {
   return cover;
 }
 
-/// Cells along each edge of a box: as many as `longest` along the longest, and near cubes.
-Vector3d cells_of(const Vector3d& half, int longest) {
-  const double edge = half.maxCoeff() / longest;
-  if (!(edge > 0)) return Vector3d::Ones();
-  return (half / edge - Vector3d::Constant(1e-9)).array().ceil().max(1.0);
+/// Parts along each edge of a box, near cubes, as many along the longest edge as make at most `most` in all, up to 9.
+Vector3d parts_of(const Vector3d& edges, double most) {
+  const double longest = edges.maxCoeff();
+  Vector3d parts = Vector3d::Ones();
+  for (int along = 2; along <= 9 && longest > 0; ++along) {
+    const Vector3d next = (edges * along / longest - Vector3d::Constant(1e-9)).array().ceil().max(1.0);
+    if (next.prod() > most) break;
+    parts = next;
+  }
+  return parts;
 }
 
-std::vector<PlacedSphere> spheres_around_cells(const Vector3d& center, const Vector3d& half, int longest) {
-  const Vector3d cells = cells_of(half, longest), cell = half.cwiseQuotient(cells);
-  const double radius = cell.norm() * above + 1e-12;
+/// Calls `add` with the centre of each of these parts of a box with this centre and these half edges.
+template <class Add>
+void for_each_part(const Vector3d& center, const Vector3d& half, const Vector3d& parts, Add&& add) {
+  const Vector3d part = half.cwiseQuotient(parts);
+  for (int x = 0; x < parts.x(); ++x)
+    for (int y = 0; y < parts.y(); ++y)
+      for (int z = 0; z < parts.z(); ++z)
+        add(Vector3d(center - half + part.cwiseProduct(Vector3d(2 * x + 1, 2 * y + 1, 2 * z + 1))));
+}
+
+/// Spheres around parts of a box: coarse ones, and in each as many fine ones. `radius` is that of the sphere around a
+/// part, by its half edges.
+template <class Radius>
+GeometryCover parts_cover(const Vector3d& center, const Vector3d& half, const Vector3d& coarse, const Vector3d& fine,
+                          Radius&& radius) {
+  GeometryCover cover;
+  cover.quick = true;
+  const auto around = [&](const Vector3d& half_edges) { return radius(half_edges) * above + 1e-12; };
+  cover.bound = {center, around(half)};
+  const Vector3d part = half.cwiseQuotient(coarse), fine_part = part.cwiseQuotient(fine);
+  for_each_part(center, half, coarse, [&](const Vector3d& at) {
+    cover.coarse.push_back({at, around(part)});
+    std::vector<std::uint32_t>& children = cover.children.emplace_back();
+    for_each_part(at, part, fine, [&](const Vector3d& place) {
+      children.push_back(static_cast<std::uint32_t>(cover.fine.size()));
+      cover.fine.push_back({place, around(fine_part)});
+    });
+  });
+  return cover;
+}
+
+/// Of what is round about the z axis and within a box: where that is long, of slabs.
+GeometryCover round_cover(const Vector3d& half) {
+  const double radius = half.x(), slimness = half.z() / radius;
+  if (!(slimness >= 2)) return box_cover(Vector3d::Zero(), half);
+  const double slabs = std::clamp(std::ceil(slimness / 2.5), 1.0, 9.0);
+  return parts_cover(Vector3d::Zero(), half, {1, 1, slabs}, {1, 1, 5},
+                     [](const Vector3d& part) { return std::hypot(part.x(), part.z()); });
+}
+
+/// Spheres inside of what contains all points within `radius` of a box with these half edges around the origin; they
+/// overlap where so few can.
+std::vector<PlacedSphere> inner_spheres(const Vector3d& half, double radius) {
+  constexpr double most = 16, spacing = 1.9;
   std::vector<PlacedSphere> spheres;
-  for (int x = 0; x < cells.x(); ++x)
-    for (int y = 0; y < cells.y(); ++y)
-      for (int z = 0; z < cells.z(); ++z)
-        spheres.push_back({center - half + cell.cwiseProduct(Vector3d(2 * x + 1, 2 * y + 1, 2 * z + 1)), radius});
+  if (!(radius > 0)) return spheres;
+  Vector3d parts;
+  for (double step = std::max(spacing * radius, half.maxCoeff() / most);; step *= 1.1) {
+    parts = (2 * half / step).array().ceil() + 1.0;
+    if (parts.prod() <= most) break;
+  }
+  const Vector3d spread = half.cwiseProduct(parts).cwiseQuotient((parts - Vector3d::Ones()).cwiseMax(1.0));
+  for_each_part(Vector3d::Zero(), spread, parts, [&](const Vector3d& at) { spheres.push_back({at, radius / above}); });
   return spheres;
 }
 
 }  // namespace
 
-GeometryCover box_cells_cover(const Vector3d& center, const Vector3d& half) {
-  GeometryCover cover;
-  cover.quick = cover.hollow = true;  // the cells do not tell
-  cover.bound = {center, half.norm() * above};
-  cover.coarse = spheres_around_cells(center, half, 3);
-  const Vector3d cell = half.cwiseQuotient(cells_of(half, 3));
-  for (const PlacedSphere& sphere : cover.coarse) {
-    const auto first = static_cast<std::uint32_t>(cover.fine.size());
-    for (const PlacedSphere& fine : spheres_around_cells(sphere.center, cell, 2)) cover.fine.push_back(fine);
-    cover.children.emplace_back(cover.fine.size() - first);
-    std::iota(cover.children.back().begin(), cover.children.back().end(), first);
-  }
+GeometryCover box_cover(const Vector3d& center, const Vector3d& half) {
+  const Vector3d coarse = parts_of(half, 27);
+  GeometryCover cover = parts_cover(center, half, coarse, parts_of(half.cwiseQuotient(coarse), 8),
+                                    [](const Vector3d& part) { return part.norm(); });
+  cover.hollow = true;
   return cover;
 }
 
@@ -226,19 +269,30 @@ GeometryCover quick_cover(const coal::CollisionGeometry& shape) {
   using enum GeometryContent::Kind;
   const GeometryContent content = content_of(shape);
   const Vector3d& size = content.size;
+  const auto solid = [](GeometryCover cover, const Vector3d& half = Vector3d::Zero(), double radius = 0) {
+    cover.hollow = false;
+    cover.inner = inner_spheres(half, radius);
+    return cover;
+  };
   switch (content.kind) {
     case sphere: {
       const PlacedSphere one{Vector3d::Zero(), size[0]};
       return {.bound = one, .coarse = {one}, .exact = true};
     }
-    case box: return box_cells_cover(Vector3d::Zero(), size / 2);
-    case capsule: return box_cells_cover(Vector3d::Zero(), {size[0], size[0], size[1] / 2 + size[0]});
-    case cylinder:
-    case cone: return box_cells_cover(Vector3d::Zero(), {size[0], size[0], size[1] / 2});
+    case box: {
+      const double radius = size.minCoeff() / 2;
+      return solid(box_cover(Vector3d::Zero(), size / 2), size / 2 - Vector3d::Constant(radius), radius);
+    }
+    case capsule: return solid(round_cover({size[0], size[0], size[1] / 2 + size[0]}), {0, 0, size[1] / 2}, size[0]);
+    case cylinder: {
+      const double radius = std::min(size[0], size[1] / 2), flat = size[0] - radius;
+      return solid(round_cover({size[0], size[0], size[1] / 2}), {flat / 2, flat / 2, size[1] / 2 - radius}, radius);
+    }
+    case cone: return solid(round_cover({size[0], size[0], size[1] / 2}));
     case convex: {
       Eigen::AlignedBox3d bounds;
       for (const Vector3d& v : content.vertices) bounds.extend(v);
-      return box_cells_cover(bounds.center(), bounds.sizes() / 2);
+      return solid(box_cover(bounds.center(), bounds.sizes() / 2));
     }
     case mesh: break;
   }

@@ -4,11 +4,13 @@
 
 namespace srmp {
 
-/// A cover of a geometry in milliseconds: spheres around the cells of a box, or around patches of a mesh. Looser than
-/// that of cover_geometry, without inner spheres, and marked as `quick`. Throws NotSupported as cover_geometry does.
+/// A cover of a geometry in milliseconds: spheres around parts of a box, slabs of something long and round, or patches
+/// of a mesh. Looser than that of cover_geometry, and marked as `quick`; boxes, cylinders and capsules have inner
+/// spheres. Throws NotSupported as cover_geometry does.
 GeometryCover quick_cover(const coal::CollisionGeometry& shape);
 
-/// Spheres around the cells of a box with this centre and these half edges [m], on two levels; `hollow`.
-GeometryCover box_cells_cover(const Eigen::Vector3d& center, const Eigen::Vector3d& half);
+/// Spheres around parts of a box with this centre and these half edges [m], on two levels; `hollow`, without inner
+/// spheres: what is in the box is not known.
+GeometryCover box_cover(const Eigen::Vector3d& center, const Eigen::Vector3d& half);
 
 }  // namespace srmp

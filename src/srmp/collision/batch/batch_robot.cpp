@@ -1,6 +1,7 @@
 #include "srmp/collision/batch/batch_robot.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <span>
 
 #include "srmp/collision/batch/batch_numbers.hpp"
@@ -28,7 +29,20 @@ batch::KernelSphere kernel_sphere(const PlacedSphere& sphere, bool inner = false
           static_cast<float>(sphere.center.z()),
           inner ? below(sphere.radius) : above(sphere.radius),
           0,
+          0,
           0};
+}
+
+/// Of each sphere the number of its cluster: spheres that overlap, directly or through others, are of one.
+std::vector<int> clusters_of(const std::vector<PlacedSphere>& spheres) {
+  constexpr double clearly = 1e-6;  // [m] by which spheres that count as overlapping overlap at least
+  std::vector<int> cluster(spheres.size());
+  std::iota(cluster.begin(), cluster.end(), 0);
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if ((spheres[i].center - spheres[j].center).norm() < spheres[i].radius + spheres[j].radius - clearly)
+        std::ranges::replace(cluster, cluster[j], cluster[i]);
+  return cluster;
 }
 
 void require_valid_joint(const BatchRobot& robot, std::size_t k) {
@@ -165,11 +179,19 @@ void BatchRobotModel::add_fine_and_inner_spheres(const BatchBody& body, batch::K
     parent.first_child = static_cast<int>(children.size());
     parent.children = static_cast<int>(body.children[c].size());
     max_children = std::max(max_children, parent.children);
-    for (std::uint32_t child : body.children[c]) children.push_back(first_fine + static_cast<int>(child));
+    for (std::uint32_t child : body.children[c]) {
+      const Eigen::Vector3f from_parent = (body.fine[child].center - body.coarse[c].center).cast<float>();
+      const int sphere = first_fine + static_cast<int>(child);
+      children.push_back({from_parent.x(), from_parent.y(), from_parent.z(), spheres[sphere].radius, sphere});
+    }
   }
   kernel.first_inner = static_cast<int>(spheres.size());
   kernel.inners = static_cast<int>(body.inner.size());
-  for (const PlacedSphere& sphere : body.inner) spheres.push_back(kernel_sphere(sphere, true));
+  const std::vector<int> clusters = clusters_of(body.inner);
+  for (std::size_t i = 0; i < body.inner.size(); ++i) {
+    spheres.push_back(kernel_sphere(body.inner[i], true));
+    spheres.back().cluster = clusters[i];
+  }
 }
 
 BatchRobotStore::Ptr BatchRobotStore::get(Key key, const std::function<BatchRobot()>& make) {

@@ -22,7 +22,7 @@ struct BatchRobotModel {
   std::vector<batch::KernelNode> nodes;
   std::vector<batch::KernelBody> bodies;  // without their pairs
   std::vector<batch::KernelSphere> spheres;
-  std::vector<int> children;
+  std::vector<batch::KernelChild> children;
   int stage_count{}, coarse_count{}, max_children{};
   bool exact{true};      // the coarse spheres of every body are the body
   double error_bound{};  // of any distance that a result relies on [m]

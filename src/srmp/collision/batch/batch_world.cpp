@@ -43,11 +43,12 @@ PlacedSphere around(const std::vector<PlacedSphere>& spheres) {
   return result;
 }
 
-/// The cover of an attached object must be quick to make: unless it is a sphere, the cells of its bounding box are
-/// covered.
+/// The cover of an attached object must be quick to make: unless that is a primitive, its bounding box is covered.
 GeometryCover cover_of_attached(const Body& body) {
-  if (dynamic_cast<const coal::Sphere*>(body.geometry.get()) != nullptr) return quick_cover(*body.geometry);
-  GeometryCover cover = box_cells_cover(body.bounds.box_center, body.bounds.box_half);
+  const coal::NODE_TYPE type = body.geometry->getNodeType();
+  if (type == coal::GEOM_SPHERE || type == coal::GEOM_BOX || type == coal::GEOM_CYLINDER || type == coal::GEOM_CAPSULE)
+    return quick_cover(*body.geometry);
+  GeometryCover cover = box_cover(body.bounds.box_center, body.bounds.box_half);
   cover.bound = {body.bounds.center, body.bounds.radius};
   return cover;
 }

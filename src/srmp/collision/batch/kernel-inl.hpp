@@ -207,6 +207,37 @@ class Slice {
     set_motion(stage, m);
   }
 
+  /// A direction in a node's frame.
+  SRMP_INLINE V3 turned_to_node(int node, const V3& direction) const {
+    const float* f = frames_ + 12 * kWidth * node;
+    const auto along = [&](int axis) {
+      return sum(mul(row(f, axis), direction.x), mul(row(f, axis + 3), direction.y),
+                 mul(row(f, axis + 6), direction.z));
+    };
+    return {along(0), along(1), along(2)};
+  }
+
+  /// At both ends of an interval.
+  struct Ends {
+    V start, end;
+  };
+
+  /// How far along a direction anything within a sphere's children is from the sphere's centre, at least, but for what
+  /// the body's `bend` holds.
+  SRMP_INLINE Ends least_along(const V3& direction, int body, const Motion& m, const KernelSphere& sphere) const {
+    if (sphere.children == 0) return {all(-sphere.radius), all(-sphere.radius)};
+    const int node = m_.bodies[body].node;
+    const V3 along = turned_to_node(node, direction), change = turned_to_node(node, cross(direction, m.turn));
+    Ends least{all(1e30f), all(1e30f)};
+    for (int k = sphere.first_child; k < sphere.first_child + sphere.children; ++k) {
+      const KernelChild& child = m_.children[k];
+      const V3 from{all(child.x), all(child.y), all(child.z)};
+      const V at = sub(dot(along, from), all(child.radius)), by = dot(change, from);
+      least = {min(least.start, sub(at, by)), min(least.end, add(at, by))};
+    }
+    return least;
+  }
+
   /// Those of the lanes in which a sphere of a body is not proved to stay away from an obstacle. Where that is convex,
   /// it is beyond the plane through its nearest point, and only the velocity towards that counts.
   SRMP_INLINE unsigned comes_near(const KernelObstacle& o, int i, const V3& x, float radius, unsigned lanes) const {
@@ -215,6 +246,25 @@ class Slice {
     lanes = near(o, x, add(m.reach, kept), lanes);
     if (lanes == 0 || o.field.squared || !request_.half_widths) return lanes;
     return approaches(from_nearest(o, x), turned(o, velocity_of(i, m, x)), add(m.bend, kept), lanes);
+  }
+
+  /// Lanes in which two things have gaps larger than the limit, measured along the line through two points at a
+  /// distance.
+  SRMP_INLINE unsigned clear(V distance, const Ends& gaps, V limit) const {
+    return bits(less(limit, gaps.start)) & bits(less(limit, gaps.end)) & bits(less(all(1e-6f), distance));
+  }
+
+  /// Those lanes in which the plane through the point of a convex obstacle that is nearest to the centre of a sphere,
+  /// at x, keeps the sphere's children away.
+  SRMP_INLINE unsigned keeps_away(const KernelObstacle& o, int i, const KernelSphere& sphere, const V3& x) const {
+    const V3 away = from_nearest(o, x);
+    const V distance = norm(away);
+    const V3 direction = turned_back(o, away * quotient(all(1.0f), distance));
+    const Motion m = motion(m_.bodies[i]);
+    const V nearer = dot(direction, velocity_of(i, m, x));
+    const Ends least = least_along(direction, i, m, sphere);
+    return clear(distance, {add(sub(distance, nearer), least.start), add(add(distance, nearer), least.end)},
+                 add(m.bend, all(m_.bodies[i].padding + o.radius)));
   }
 
   /// A box around something in all lanes, each number in every lane.
@@ -314,10 +364,13 @@ class Slice {
   /// Does one of the spheres inside of a surely hit one inside of b? True when that ends the run.
   SRMP_INLINE bool inside_hits(const KernelSelfPair& pair, unsigned mask) {
     const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
+    const V3 around_b = center(pair.b);
     for (int i = a.first_inner; i < a.first_inner + a.inners; ++i) {
       const V3 ci = fine(a, m_.spheres[i]);
+      const unsigned around = mask & within(between(ci, around_b), all(m_.spheres[i].radius + b.radius + pair.kept));
+      if (around == 0) continue;
       for (int j = b.first_inner; j < b.first_inner + b.inners; ++j)
-        if (hits_body(pair, i, j, between(ci, fine(b, m_.spheres[j])), mask)) return true;
+        if (hits_body(pair, i, j, between(ci, fine(b, m_.spheres[j])), around)) return true;
     }
     return false;
   }
@@ -329,15 +382,16 @@ class Slice {
     unsigned undecided = 0;
     for (int b = body.first_sphere; b < body.first_sphere + body.spheres; ++b) {
       const KernelSphere& sphere = m_.spheres[b];
-      const unsigned around = comes_near(o, i, coarse(b), sphere.radius, body.exact ? pending : pending & ~undecided);
+      unsigned around = comes_near(o, i, coarse(b), sphere.radius, body.exact ? pending : pending & ~undecided);
       if (around == 0) continue;
       if (body.exact && o.exact && hits_obstacle(o, body, b, coarse(b), around)) return;
       if (sphere.children == 0) {
         undecided |= around;
         continue;
       }
+      if (!o.field.squared) around &= ~keeps_away(o, i, sphere, coarse(b));
       for (int k = 0; k < sphere.children && (around & ~undecided); ++k) {
-        const KernelSphere& child = m_.spheres[m_.children[sphere.first_child + k]];
+        const KernelSphere& child = m_.spheres[m_.children[sphere.first_child + k].sphere];
         undecided |= comes_near(o, i, fine(body, child), child.radius, around & ~undecided);
       }
     }
@@ -360,7 +414,34 @@ class Slice {
   /// Do spheres of two bodies surely hit in some lanes of `mask`? True when that ends the run.
   SRMP_INLINE bool hits_body(const KernelSelfPair& pair, int a, int b, V squared, unsigned mask) {
     const float radius = m_.spheres[a].radius + m_.spheres[b].radius + pair.padding - pair.error;
-    return radius > 0.0f && hit(bits(less(squared, all(radius * radius))) & mask, a, b);
+    if (!(radius > 0.0f)) return false;
+    mask &= bits(less(squared, all(radius * radius)));
+    if (mask != 0 && m_.bodies[pair.b].capacity != 0.0f) mask = stick_out(pair.a, a, pair.b, b, pair.error, mask);
+    if (mask != 0 && m_.bodies[pair.a].capacity != 0.0f) mask = stick_out(pair.b, b, pair.a, a, pair.error, mask);
+    return hit(mask, a, b);
+  }
+
+  /// Those of the lanes in which the cluster of a body's inner sphere sticks out of the convex hull around another body
+  /// near that one's inner sphere. Where each of two sticks out of the other's hull, and their clusters overlap, their
+  /// surfaces intersect: neither is wholly inside the other.
+  __attribute__((noinline)) unsigned stick_out(int body, int sphere, int other, int near, float error,
+                                               unsigned lanes) const {
+    const KernelBody &of = m_.bodies[body], &beside = m_.bodies[other];
+    const V3 from = fine(beside, m_.spheres[near]);
+    unsigned out = 0;
+    for (int k = of.first_inner; k < of.first_inner + of.inners && out != lanes; ++k) {
+      if (m_.spheres[k].cluster != m_.spheres[sphere].cluster) continue;
+      const V3 away = fine(of, m_.spheres[k]) - from;
+      const V distance = norm(away), reach = add(distance, all(m_.spheres[k].radius));
+      unsigned left = lanes & ~out;
+      for (int b = beside.first_sphere; b < beside.first_sphere + beside.spheres && left != 0; ++b) {
+        const KernelSphere& around = m_.spheres[b];
+        const V free = sub(reach, all(around.radius + error));
+        left &= bits(less(dot(away, fine(beside, around) - from), mul(free, distance)));
+      }
+      out |= left;
+    }
+    return out;
   }
 
   SRMP_INLINE bool hit(unsigned hits, int sphere, int other) {
@@ -454,9 +535,7 @@ class Slice {
       }
     }
     if (undecided == 0) return;
-    if (const unsigned open = undecided & ~proofs_only_;
-        open && pair.exact && a.capacity == 0.0f && b.capacity == 0.0f && inside_hits(pair, open))
-      return;
+    if (const unsigned open = undecided & ~proofs_only_; open && pair.exact && inside_hits(pair, open)) return;
     report(undecided);
   }
 
@@ -471,7 +550,7 @@ class Slice {
     /// Is there one more, at `index`?
     SRMP_INLINE bool has(int index) {
       for (; index == found_ && next_ < parent_.children; ++next_) {
-        const KernelSphere& child = slice_.m_.spheres[slice_.m_.children[parent_.first_child + next_]];
+        const KernelSphere& child = slice_.m_.spheres[slice_.m_.children[parent_.first_child + next_].sphere];
         const V3 c = slice_.fine(slice_.m_.bodies[two_.b], child);
         const unsigned lanes = slice_.come_near(two_, other_, c, radius_ + child.radius, near_);
         if (lanes == 0) continue;
@@ -500,10 +579,26 @@ class Slice {
     int next_{}, found_{};
   };
 
+  /// Those of the lanes in which a plane between two coarse spheres, square to the line through their centres, keeps
+  /// their children apart.
+  SRMP_INLINE unsigned separated(const TwoBodies& two, const KernelSphere& sphere_a, const V3& xa,
+                                 const KernelSphere& sphere_b, const V3& xb) const {
+    const V3 away = xa - xb;
+    const V distance = norm(away), inverse = quotient(all(1.0f), distance);
+    const V3 direction = away * inverse, back = xb - xa;
+    const V nearer = dot(direction, velocity_of(two.a, two.motion_a, xa) - velocity_of(two.b, two.motion_b, xb));
+    const Ends a = least_along(direction, two.a, two.motion_a, sphere_a);
+    const Ends b = least_along(back * inverse, two.b, two.motion_b, sphere_b);
+    return clear(distance, {sum(sub(distance, nearer), a.start, b.start), sum(add(distance, nearer), a.end, b.end)},
+                 two.bend);
+  }
+
   /// Two coarse spheres are near: their children, or the sphere itself where there is none.
   unsigned finer(const TwoBodies& two, const KernelSphere& sphere_a, const V3& ca, const KernelSphere& sphere_b,
                  const V3& cb, unsigned near) const {
     if (sphere_a.children == 0 && sphere_b.children == 0) return near;
+    near &= ~separated(two, sphere_a, ca, sphere_b, cb);
+    if (near == 0) return 0;
     NearChildren of_b(*this, two, sphere_b, ca, sphere_a.radius, near);
     unsigned undecided = 0;
     if (sphere_a.children == 0) {
@@ -511,7 +606,7 @@ class Slice {
       return undecided;
     }
     for (int i = 0; i < sphere_a.children && (near & ~undecided); ++i) {
-      const KernelSphere& fine_a = m_.spheres[m_.children[sphere_a.first_child + i]];
+      const KernelSphere& fine_a = m_.spheres[m_.children[sphere_a.first_child + i].sphere];
       const V3 ci = fine(m_.bodies[two.a], fine_a);
       const unsigned left = come_near(two, ci, cb, fine_a.radius + sphere_b.radius, near & ~undecided);
       if (left == 0) continue;

@@ -28,6 +28,14 @@ struct KernelSphere {
   float x, y, z;              // in the node's frame
   float radius;               // padding included
   int first_child, children;  // into Model::children; 0 children: nothing finer
+  int cluster;                // inside: spheres of a body that overlap, directly or through others, are of one
+};
+
+/// A fine sphere, as part of a coarse one.
+struct KernelChild {
+  float x, y, z;  // from the coarse one's centre, in the node's frame
+  float radius;
+  int sphere;
 };
 
 /// A rigid part of the robot (a link, an attached object) covered by spheres: one around all, coarse ones, fine ones.
@@ -88,7 +96,7 @@ struct KernelModel {
   int stage_count;
   const KernelSphere* spheres;  // coarse, then fine, then inner
   int coarse_count;
-  const int* children;
+  const KernelChild* children;
   int max_children;  // of a sphere
   const KernelObstacle* obstacles;
   const int* pair_obstacles;

@@ -28,6 +28,15 @@ SRMP_INLINE V3 turned(const KernelObstacle& o, const V3& c) {
           sum(mul(c.x, all(r[6])), mul(c.y, all(r[7])), mul(c.z, all(r[8])))};
 }
 
+/// A direction that is given in the obstacle's frame.
+SRMP_INLINE V3 turned_back(const KernelObstacle& o, const V3& c) {
+  if (o.aligned) return c;
+  const float* r = o.rotation;
+  return {sum(mul(c.x, all(r[0])), mul(c.y, all(r[3])), mul(c.z, all(r[6]))),
+          sum(mul(c.x, all(r[1])), mul(c.y, all(r[4])), mul(c.z, all(r[7]))),
+          sum(mul(c.x, all(r[2])), mul(c.y, all(r[5])), mul(c.z, all(r[8])))};
+}
+
 SRMP_INLINE V3 local(const KernelObstacle& o, const V3& c) {
   return turned(o, c) + V3{all(o.offset[0]), all(o.offset[1]), all(o.offset[2])};
 }
