@@ -30,6 +30,18 @@ AlignedFloats zeros(std::size_t count) {
   return floats;
 }
 
+/// Memory of this thread that a check needs while it runs, at least so many floats: what one check leaves there, in the
+/// processor's caches, the next one overwrites.
+float* scratch_of_thread(std::size_t count) {
+  thread_local AlignedFloats floats;
+  thread_local std::size_t size = 0;
+  if (size < count) {
+    floats = aligned_floats(count);
+    size = count;
+  }
+  return floats.get();
+}
+
 struct Interval {
   double t, half;
 };
@@ -63,7 +75,6 @@ class BatchChecker::Workspace {
   explicit Workspace(const BatchModel& impl)
       : values(zeros(impl.robot->actuated_joints.size() * kLanes + kLanes)),
         half_widths(zeros(impl.robot->actuated_joints.size() * kLanes + kLanes)),
-        scratch(aligned_floats(static_cast<std::size_t>(batch::scratch_floats(impl.view())))),
         pair_lanes(impl.pair_obstacles.size() + impl.self_pairs.size(), 0),
         undecided_pairs(pair_lanes.size()),
         is_open(pair_lanes.size(), 0),
@@ -78,7 +89,7 @@ class BatchChecker::Workspace {
     next_open_pairs.reserve(1024);
   }
 
-  AlignedFloats values, half_widths, scratch;
+  AlignedFloats values, half_widths;
   std::vector<batch::LaneMask> pair_lanes;
   std::vector<batch::KernelPair> undecided_pairs;  // of the last run
   // Of the levels of a motion after the first: pairs to be checked at this one, and at the next, and the former's
@@ -116,10 +127,12 @@ class BatchChecker::Workspace {
                                        hits.data(),
                                        looks_for_hits ? hit_count : 0,
                                        static_cast<int>(options.used)};
-    impl.kernel(view, request, scratch.get(), result);
+    impl.kernel(view, request, scratch(), result);
     if (looks_for_hits && result.colliding) note_hit(result.hit);
     return result;
   }
+
+  float* scratch() const { return scratch_of_thread(static_cast<std::size_t>(batch::scratch_floats(view))); }
 
   /// To the front: motions that are checked one after the other are often stopped by the same bodies.
   void note_hit(const batch::KernelHit& hit) {
@@ -366,7 +379,7 @@ Eigen::Isometry3d BatchChecker::actuated_joint_pose(std::span<const double> q, s
   check_block(q, w);
   // The kernel leaves lane 0 of the last slice's frames at the front of its scratch memory; all lanes are equal here.
   const int width = impl_->backend == SimdBackend::avx512 ? 16 : impl_->backend == SimdBackend::avx2 ? 8 : 4;
-  const float* frame = w.scratch.get() + static_cast<std::size_t>(12 * width) * (k + 1);
+  const float* frame = w.scratch() + static_cast<std::size_t>(12 * width) * (k + 1);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) pose.linear()(r, c) = frame[(3 * r + c) * width];

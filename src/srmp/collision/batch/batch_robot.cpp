@@ -39,9 +39,12 @@ std::vector<int> clusters_of(const std::vector<PlacedSphere>& spheres) {
   std::vector<int> cluster(spheres.size());
   std::iota(cluster.begin(), cluster.end(), 0);
   for (std::size_t i = 0; i < spheres.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if ((spheres[i].center - spheres[j].center).norm() < spheres[i].radius + spheres[j].radius - clearly)
+    for (std::size_t j = 0; j < i; ++j) {
+      if (cluster[j] == cluster[i]) continue;
+      const double near = spheres[i].radius + spheres[j].radius - clearly;
+      if (near > 0 && (spheres[i].center - spheres[j].center).squaredNorm() < near * near)
         std::ranges::replace(cluster, cluster[j], cluster[i]);
+    }
   return cluster;
 }
 
@@ -95,10 +98,22 @@ BatchRobotModel::BatchRobotModel(const BatchRobot& robot) : dof(robot.dof), actu
   for (std::size_t k = 0; k < robot.actuated_joints.size(); ++k) require_valid_joint(robot, k);
   for (std::size_t i = 0; i < robot.bodies.size(); ++i) require_valid_body(robot, i);
   add_nodes(robot);
+  make_room(robot);
   for (const BatchBody& body : robot.bodies) add_body(body);
   coarse_count = static_cast<int>(spheres.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) add_fine_and_inner_spheres(robot.bodies[i], bodies[i]);
   add_reach(robot);
+}
+
+void BatchRobotModel::make_room(const BatchRobot& robot) {
+  std::size_t in_bodies = 0, in_spheres = 0;
+  for (const BatchBody& body : robot.bodies) {
+    in_bodies += body.coarse.size() + body.fine.size() + body.inner.size();
+    for (const auto& list : body.children) in_spheres += list.size();
+  }
+  bodies.reserve(robot.bodies.size());
+  spheres.reserve(in_bodies);
+  children.reserve(in_spheres);
 }
 
 void BatchRobotModel::add_nodes(const BatchRobot& robot) {

@@ -32,6 +32,7 @@ struct BatchRobotModel {
   double reach{};                      // [m] the same of all bodies, without padding
 
  private:
+  void make_room(const BatchRobot& robot);
   void add_nodes(const BatchRobot& robot);
   void add_body(const BatchBody& body);
   void add_fine_and_inner_spheres(const BatchBody& body, batch::KernelBody& kernel);
