@@ -1,8 +1,13 @@
 #pragma once
 
+#include <cstdint>
+
 #include "srmp/cover/geometry_cover.hpp"
 
 namespace srmp {
+
+/// Changes whenever quick_cover computes something else: files keep what it computed.
+constexpr std::uint64_t quick_cover_version = 2;
 
 /// A cover of a geometry in milliseconds: spheres around parts of a box, slabs of something long and round, or patches
 /// of a mesh. Looser than that of cover_geometry, and marked as `quick`; boxes, cylinders and capsules have inner

@@ -101,6 +101,7 @@ Sha256::Digest key_of(const Distinct& distinct, const RobotCoverOptions& options
 /// Of quick covers.
 Sha256::Digest quick_key_of(const Distinct& distinct) {
   Sha256 key = cover_key("quick");
+  key.add(quick_cover_version);
   const Sha256::Digest content = Sha256(distinct.key).digest();
   key.add(content.data(), content.size());
   return key.digest();
