@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "srmp/collision/batch/batch_checker.hpp"
@@ -436,44 +437,86 @@ BOOST_AUTO_TEST_CASE(what_moves_along_without_coming_nearer_is_free_at_once) {
     BOOST_CHECK(checker.motion(start, std::vector<double>{2.0, other}, *workspace, at_once) == CollisionStatus::free);
 }
 
-/// Hollow spheres touch where neither is inside of the other, however small it is.
+/// Two balls, hollow or solid, on a line. What is inside of a hollow one does not touch it.
+struct Balls {
+  std::array<double, 2> radii{};
+  std::array<bool, 2> hollow{};
+  double padding{};
+
+  bool touch(double distance) const {
+    if (distance > radii[0] + radii[1] + padding) return false;
+    for (std::size_t k = 0; k < 2; ++k)
+      if (hollow[k] && distance + radii[1 - k] < radii[k] - padding) return false;
+    return true;
+  }
+
+  /// Each has two coarse spheres, and inner ones that only the first connects.
+  BatchWorld world() const {
+    BatchWorld world = sliding_spheres(2, 0.0, Eigen::Vector3d::UnitX());
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double r = radii[k];
+      BatchBody& body = world.bodies[k];
+      body.hollow = hollow[k];
+      body.exact = false;
+      body.bound = {Eigen::Vector3d::Zero(), 1.1 * r};
+      body.coarse = {{{0, 0, 0.01 * r}, 1.01 * r}, {{0.02 * r, 0, 0}, 1.02 * r}};
+      body.inner.push_back({Eigen::Vector3d::Zero(), 0.6 * r});
+      for (int i = 0; i < 6; ++i)
+        body.inner.push_back({(i < 3 ? 1 : -1) * 0.75 * r * Eigen::Vector3d::Unit(i % 3), 0.24 * r});
+    }
+    world.self_pairs = {{0, 1, padding}};
+    return world;
+  }
+};
+
 BOOST_AUTO_TEST_CASE(inner_spheres_of_hollow_bodies_hit_where_surfaces_intersect) {
   std::mt19937 random(10);
-  int hits = 0, crossing = 0, inside = 0;
+  int hits = 0, touching = 0, inside = 0;
   for (int i = 0; i < amount(400); ++i) {
-    BatchWorld world = sliding_spheres(2, 0.0, Eigen::Vector3d::UnitX());
-    std::array<double, 2> radii{};
-    for (std::size_t k = 0; k < 2; ++k) {
-      const double r = radii[k] = uniform(random, 0.05, 0.15);
-      BatchBody& body = world.bodies[k];
-      body.hollow = true;
-      body.exact = false;
-      body.bound = {Eigen::Vector3d::Zero(), r};
-      body.coarse = {{Eigen::Vector3d::Zero(), r}};
-      body.inner = {{Eigen::Vector3d::Zero(), r - 1e-3}, {Eigen::Vector3d(0, 0, r / 2), r / 2 - 1e-3}};
-      if (i % 3 == 0) body.inner = {{{0, 0, r / 2}, r / 2 - 1e-3}, {{0, 0, -r / 2}, r / 2 - 1e-3}};  // two clusters
-    }
-    world.self_pairs = {{0, 1, 0.0}};
-    const BatchChecker checker(world);
-    const auto workspace = checker.make_workspace();
+    Balls balls;
+    for (double& radius : balls.radii) radius = uniform(random, 0.05, 0.15);
+    balls.hollow = {i % 4 != 1, i % 4 != 2};
+    balls.padding = i % 3 ? 0.0 : 0.01;
     std::vector<double> q;
     for (int lane = 0; lane < 16; ++lane) {
       q.push_back(0.0);
       q.push_back(uniform(random, -0.3, 0.3));
     }
-    const auto lanes = checker.check_block(q, *workspace);
+    std::optional<BatchChecker::Lanes> first;
+    for (const SimdBackend backend : available_simd_backends()) {
+      const BatchChecker checker(balls.world(), backend);
+      const auto lanes = checker.check_block(q, *checker.make_workspace());
+      if (first) BOOST_REQUIRE((lanes.colliding == first->colliding && lanes.undecided == first->undecided));
+      first = lanes;
+    }
     for (std::size_t lane = 0; lane < 16; ++lane) {
       const double distance = std::abs(q[2 * lane + 1] - q[2 * lane]);
-      const bool touch = distance < radii[0] + radii[1] && distance > std::abs(radii[0] - radii[1]);
-      if (lanes.colliding >> lane & 1) BOOST_REQUIRE(touch);
-      if (!((lanes.colliding | lanes.undecided) >> lane & 1)) BOOST_REQUIRE(!touch);
-      hits += lanes.colliding >> lane & 1;
-      crossing += touch;
-      inside += distance < std::abs(radii[0] - radii[1]);
+      const bool touch = balls.touch(distance), hit = first->colliding >> lane & 1;
+      if (hit) BOOST_REQUIRE(touch);
+      if (touch) BOOST_REQUIRE(((first->colliding | first->undecided) >> lane & 1));
+      hits += hit;
+      touching += touch;
+      inside += !touch && distance < balls.radii[0];
     }
   }
-  BOOST_TEST(hits > crossing / 2);
-  BOOST_TEST(inside > amount(400));
+  BOOST_TEST(hits > touching / 2);
+  BOOST_TEST(inside > amount(300));
+}
+
+/// Checks of robots of different sizes use the same memory.
+BOOST_AUTO_TEST_CASE(checkers_that_take_turns_find_what_they_find_alone) {
+  const BatchChecker large(random_world(1)), small(sliding_spheres(1, 0.0, Eigen::Vector3d::UnitX()));
+  const auto of_large = large.make_workspace(), of_small = small.make_workspace();
+  std::mt19937 random(11);
+  for (int i = 0; i < 20; ++i) {
+    const auto q = random_q(random, 7, 2.0), d = random_q(random, 7, 0.4);
+    const CollisionStatus alone = large.motion(q, d, *of_large, {});
+    const Eigen::Isometry3d pose = large.actuated_joint_pose(q, 4, *of_large);
+    small.check_block(std::vector<double>{0.5}, *of_small);
+    BOOST_TEST((large.motion(q, d, *of_large, {}) == alone));
+    small.check_block(std::vector<double>{-0.5}, *of_small);
+    BOOST_TEST((large.actuated_joint_pose(q, 4, *of_large).matrix() == pose.matrix()));
+  }
 }
 
 /// What is left out for several lanes at once may not be more than what each would leave out.

@@ -6,6 +6,7 @@
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <random>
 
 #include "srmp/cover/cover_solid.hpp"
@@ -72,4 +73,18 @@ BOOST_AUTO_TEST_CASE(quick_covers_of_rods_are_close) {
   BOOST_TEST(cover.coarse.size() <= 9u);
   for (std::size_t i = 1; i < cover.inner.size(); ++i)
     BOOST_TEST((cover.inner[i].center - cover.inner[i - 1].center).norm() < 2 * radius - 1e-4);
+}
+
+/// Scenes refuse such sizes; a cover of them must end all the same.
+BOOST_AUTO_TEST_CASE(quick_covers_of_endless_or_empty_things_end) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const double size : {0.0, 1e-12, 1e12, infinity, std::nan("")}) {
+    for (const double other : {0.0, 1.0}) {
+      BOOST_TEST(quick_cover(coal::Box(size, other, 1.0)).inner.size() <= 16u);
+      BOOST_TEST(quick_cover(coal::Cylinder(size, other)).inner.size() <= 16u);
+      BOOST_TEST(quick_cover(coal::Cylinder(other, size)).inner.size() <= 16u);
+      BOOST_TEST(quick_cover(coal::Capsule(size, other)).inner.size() <= 16u);
+      BOOST_TEST(quick_cover(coal::Capsule(other, size)).inner.size() <= 16u);
+    }
+  }
 }

@@ -120,6 +120,26 @@ BOOST_AUTO_TEST_CASE(cover_of_a_concave_mesh_does_not_fill_the_hull) {
   BOOST_TEST(!covered(cover.spheres, {0.12, 0.12, 0.03}));  // the corner that the hull would fill
 }
 
+/// Its faces are doubled, so that every edge has an even number of them, and all of them lie on its hull.
+BOOST_AUTO_TEST_CASE(nothing_is_inside_of_an_open_box) {
+  CoverSolid::Vertices corners;
+  for (const double x : {0.0, 0.3})
+    for (const double y : {0.0, 0.2})
+      for (const double z : {0.0, 0.2}) corners.emplace_back(x, y, z);
+  CoverSolid::Triangles faces;
+  for (const std::array<int, 4>& face :
+       {std::array{0, 4, 6, 2}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}) {  // all but the lid
+    faces.push_back({face[0], face[1], face[2]});
+    faces.push_back({face[0], face[2], face[3]});
+    faces.push_back({face[2], face[1], face[0]});
+    faces.push_back({face[3], face[2], face[0]});
+  }
+  BOOST_TEST(pack_solid(CoverSolid::mesh(corners, faces), 12).empty());
+  CoverSolid::Triangles single{{1, 3, 7}, {1, 7, 5}};  // closed by a lid, each face once
+  for (std::size_t i = 0; i < faces.size(); i += 4) single.insert(single.end(), {faces[i], faces[i + 1]});
+  BOOST_TEST(!pack_solid(CoverSolid::mesh(corners, single), 12).empty());
+}
+
 BOOST_AUTO_TEST_CASE(the_proof_finds_uncovered_parts) {
   const CoverSolid box = CoverSolid::box({0.1, 0.1, 0.1});
   std::vector<PlacedSphere> spheres = cover_solid(box, {.max_inflation = 0.01}).spheres;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kExtension = ".cover";
 constexpr std::uint32_t kFileVersion = 3;   // incremented when the layout changes
-constexpr std::uint32_t kCoverVersion = 2;  // incremented when covers of the same geometry change
+constexpr std::uint32_t kCoverVersion = 3;  // incremented when covers of the same geometry change
 
 class Writer {
  public:

@@ -94,7 +94,20 @@ bool every_edge_is_shared(const std::vector<Triangle>& triangles) {
   return true;
 }
 
-/// Is the mesh its own convex hull, but for rounding? Measures how deep its surface lies below the hull's planes.
+/// The mean of the surface.
+Vector3d middle_of(const std::vector<Triangle>& triangles) {
+  Vector3d sum = Vector3d::Zero();
+  double area = 0;
+  for (const Triangle& t : triangles) {
+    const double twice = (t[1] - t[0]).cross(t[2] - t[0]).norm();
+    sum += twice * (t[0] + t[1] + t[2]) / 3;
+    area += twice;
+  }
+  return sum / area;
+}
+
+/// Is the mesh its own convex hull, but for rounding? Measures how deep its surface lies below the hull's planes. Where
+/// no triangle lies deeper, one point there tells whether the surface closes the hull.
 bool is_nearly_convex(const SolidGeometry& mesh, const CoverSolid::Vertices& vertices) {
   if (!mesh.closed || mesh.triangles.size() > 4000) return false;
   const double size = mesh.box.diagonal().norm();
@@ -120,7 +133,11 @@ bool is_nearly_convex(const SolidGeometry& mesh, const CoverSolid::Vertices& ver
       interruption_point();
       if (near) near = hull.depth((part[0] + part[1] + part[2]) / 3) <= 1.5e-3 * size;
     });
-  return near;
+  if (!near) return false;
+  hull.closed = true;
+  hull.all = TriangleBvh(mesh.triangles);
+  const Vector3d middle = middle_of(mesh.triangles);
+  return hull.inner_depth(middle) > 0 && hull.is_odd(middle);
 }
 
 Triangle flipped_if(bool flip, Triangle t) {

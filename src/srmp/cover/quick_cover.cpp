@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <queue>
 #include <span>
 #include <utility>
@@ -187,13 +186,14 @@ GeometryCover mesh_cover(const GeometryContent& content) {
   return cover;
 }
 
-/// Parts along each edge of a box, near cubes, as many along the longest edge as make at most `most` in all, up to 9.
-Vector3d parts_of(const Vector3d& edges, double most) {
+/// Parts along each edge of a box, near cubes: as many along the longest edge as make at most `max_count` in all, up to
+/// nine.
+Vector3d parts_of(const Vector3d& edges, double max_count) {
   const double longest = edges.maxCoeff();
   Vector3d parts = Vector3d::Ones();
   for (int along = 2; along <= 9 && longest > 0; ++along) {
     const Vector3d next = (edges * along / longest - Vector3d::Constant(1e-9)).array().ceil().max(1.0);
-    if (next.prod() > most) break;
+    if (!(next.prod() <= max_count)) break;
     parts = next;
   }
   return parts;
@@ -209,8 +209,8 @@ void for_each_part(const Vector3d& center, const Vector3d& half, const Vector3d&
         add(Vector3d(center - half + part.cwiseProduct(Vector3d(2 * x + 1, 2 * y + 1, 2 * z + 1))));
 }
 
-/// Spheres around parts of a box: coarse ones, and in each as many fine ones. `radius` is that of the sphere around a
-/// part, by its half edges.
+/// Spheres around parts of a box, as many along each edge as `coarse` tells, and around parts of each of these.
+/// `radius` is that of the sphere around a part, by its half edges.
 template <class Radius>
 GeometryCover parts_cover(const Vector3d& center, const Vector3d& half, const Vector3d& coarse, const Vector3d& fine,
                           Radius&& radius) {
@@ -230,7 +230,7 @@ GeometryCover parts_cover(const Vector3d& center, const Vector3d& half, const Ve
   return cover;
 }
 
-/// Of what is round about the z axis and within a box: where that is long, of slabs.
+/// The cover of what is round about the z axis and within a box; where that is long, of slabs.
 GeometryCover round_cover(const Vector3d& half) {
   const double radius = half.x(), slimness = half.z() / radius;
   if (!(slimness >= 2)) return box_cover(Vector3d::Zero(), half);
@@ -242,13 +242,13 @@ GeometryCover round_cover(const Vector3d& half) {
 /// Spheres inside of what contains all points within `radius` of a box with these half edges around the origin; they
 /// overlap where so few can.
 std::vector<PlacedSphere> inner_spheres(const Vector3d& half, double radius) {
-  constexpr double most = 16, spacing = 1.9;
+  constexpr double max_count = 16, spacing = 1.9;
   std::vector<PlacedSphere> spheres;
-  if (!(radius > 0)) return spheres;
+  if (!(radius > 0) || !half.allFinite()) return spheres;
   Vector3d parts;
-  for (double step = std::max(spacing * radius, half.maxCoeff() / most);; step *= 1.1) {
+  for (double step = std::max(spacing * radius, half.maxCoeff() / max_count);; step *= 1.1) {
     parts = (2 * half / step).array().ceil() + 1.0;
-    if (parts.prod() <= most) break;
+    if (!(parts.prod() > max_count)) break;
   }
   const Vector3d spread = half.cwiseProduct(parts).cwiseQuotient((parts - Vector3d::Ones()).cwiseMax(1.0));
   for_each_part(Vector3d::Zero(), spread, parts, [&](const Vector3d& at) { spheres.push_back({at, radius / above}); });

@@ -31,7 +31,7 @@ AlignedFloats zeros(std::size_t count) {
 }
 
 /// Memory of this thread that a check needs while it runs, at least so many floats: what one check leaves there, in the
-/// processor's caches, the next one overwrites.
+/// processor's caches, the next one overwrites. It is kept until the thread ends.
 float* scratch_of_thread(std::size_t count) {
   thread_local AlignedFloats floats;
   thread_local std::size_t size = 0;

@@ -44,7 +44,8 @@ struct BlockOptions {
 /// "Free" for a motion holds between samples: a sample stands for an interval around it, and a pair is proved free
 /// there when its distance exceeds what both bodies can move within the interval. That bound is summed over the joints
 /// between the two, from the distal to the proximal: each turns what it carries, at its distance from the axis plus
-/// what the joints before it moved it already.
+/// what the joints before it moved it already. Where that does not suffice, the velocities at the sample count, towards
+/// each other only, and a bound of how far paths bend; fine spheres are first separated by planes.
 ///
 /// Const; threads share it, each with a Workspace of its own.
 class BatchChecker {

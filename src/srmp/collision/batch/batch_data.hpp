@@ -35,7 +35,7 @@ struct BatchBody {
   std::vector<PlacedSphere> fine;    ///< together contain the body; may be empty
   std::vector<std::vector<std::uint32_t>> children;  ///< cover_children(coarse, fine); empty when fine is
   std::vector<PlacedSphere> inner;                   ///< inside the body
-  bool hollow{false};   ///< an object wholly inside does not collide: inner spheres count against larger ones only
+  bool hollow{false};   ///< what is wholly inside does not collide: inner spheres count only where that is excluded
   double padding{0.0};  ///< kept clear of obstacles
 };
 

@@ -42,8 +42,9 @@ std::vector<int> clusters_of(const std::vector<PlacedSphere>& spheres) {
     for (std::size_t j = 0; j < i; ++j) {
       if (cluster[j] == cluster[i]) continue;
       const double near = spheres[i].radius + spheres[j].radius - clearly;
+      const int from = cluster[j], to = cluster[i];
       if (near > 0 && (spheres[i].center - spheres[j].center).squaredNorm() < near * near)
-        std::ranges::replace(cluster, cluster[j], cluster[i]);
+        std::ranges::replace(cluster, from, to);
     }
   return cluster;
 }
@@ -85,6 +86,14 @@ void set_rotation(batch::KernelNode& node, const Eigen::Matrix3d& rotation) {
     whole.col(c).cwiseAbs().maxCoeff(&node.axis[c]);
     node.direction[c] = static_cast<float>(whole(node.axis[c], c));
   }
+}
+
+/// Of a sphere around the centre of the body's: it contains the body, and the centres of all spheres that cover it.
+double radius_around(const BatchBody& body) {
+  double radius = body.bound.radius;
+  for (const auto* spheres : {&body.coarse, &body.fine})
+    for (const PlacedSphere& sphere : *spheres) radius = std::max(radius, (sphere.center - body.bound.center).norm());
+  return radius;
 }
 
 /// The motion of a sphere is that of its center.
@@ -144,8 +153,8 @@ void BatchRobotModel::add_nodes(const BatchRobot& robot) {
 void BatchRobotModel::add_reach(const BatchRobot& robot) {
   actuated_reach.assign(actuated_joints.size(), 0.0);
   for (const BatchBody& body : robot.bodies) {
-    double beyond = body.bound.center.norm() + body.bound.radius;
-    const double far = node_reach_[body.actuated_joint + 1] + body.bound.center.norm() + body.bound.radius;
+    double beyond = body.bound.center.norm() + radius_around(body);
+    const double far = node_reach_[body.actuated_joint + 1] + beyond;
     reach = std::max(reach, far);
     body_reach.push_back(far + body.padding);
     for (int k = body.actuated_joint; k >= 0; k = actuated_joints[k].parent) {
@@ -173,7 +182,7 @@ void BatchRobotModel::add_body(const BatchBody& body) {
   const batch::KernelSphere bound = kernel_sphere(body.bound);
   const double error = body_error(body);
   kernel.x = bound.x, kernel.y = bound.y, kernel.z = bound.z, kernel.radius = bound.radius;
-  kernel.reach_radius = above((is_sphere(body) ? 0.0 : body.bound.radius) + 2 * error);
+  kernel.reach_radius = above((is_sphere(body) ? 0.0 : radius_around(body)) + 2 * error);
   kernel.rounding = above(4 * error);
   kernel.padding = above(body.padding);
   kernel.exact = body.exact;

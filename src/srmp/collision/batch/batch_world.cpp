@@ -46,7 +46,8 @@ PlacedSphere around(const std::vector<PlacedSphere>& spheres) {
 /// The cover of an attached object must be quick to make: unless that is a primitive, its bounding box is covered.
 GeometryCover cover_of_attached(const Body& body) {
   const coal::NODE_TYPE type = body.geometry->getNodeType();
-  if (type == coal::GEOM_SPHERE || type == coal::GEOM_BOX || type == coal::GEOM_CYLINDER || type == coal::GEOM_CAPSULE)
+  if (type == coal::GEOM_SPHERE || type == coal::GEOM_BOX || type == coal::GEOM_CYLINDER ||
+      type == coal::GEOM_CAPSULE || type == coal::GEOM_CONE)
     return quick_cover(*body.geometry);
   GeometryCover cover = box_cover(body.bounds.box_center, body.bounds.box_half);
   cover.bound = {body.bounds.center, body.bounds.radius};

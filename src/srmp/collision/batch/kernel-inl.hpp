@@ -224,18 +224,18 @@ class Slice {
 
   /// How far along a direction anything within a sphere's children is from the sphere's centre, at least, but for what
   /// the body's `bend` holds.
-  SRMP_INLINE Ends least_along(const V3& direction, int body, const Motion& m, const KernelSphere& sphere) const {
+  SRMP_INLINE Ends min_along(const V3& direction, int body, const Motion& m, const KernelSphere& sphere) const {
     if (sphere.children == 0) return {all(-sphere.radius), all(-sphere.radius)};
     const int node = m_.bodies[body].node;
     const V3 along = turned_to_node(node, direction), change = turned_to_node(node, cross(direction, m.turn));
-    Ends least{all(1e30f), all(1e30f)};
+    Ends lowest{all(1e30f), all(1e30f)};
     for (int k = sphere.first_child; k < sphere.first_child + sphere.children; ++k) {
       const KernelChild& child = m_.children[k];
       const V3 from{all(child.x), all(child.y), all(child.z)};
       const V at = sub(dot(along, from), all(child.radius)), by = dot(change, from);
-      least = {min(least.start, sub(at, by)), min(least.end, add(at, by))};
+      lowest = {min(lowest.start, sub(at, by)), min(lowest.end, add(at, by))};
     }
-    return least;
+    return lowest;
   }
 
   /// Those of the lanes in which a sphere of a body is not proved to stay away from an obstacle. Where that is convex,
@@ -262,8 +262,8 @@ class Slice {
     const V3 direction = turned_back(o, away * quotient(all(1.0f), distance));
     const Motion m = motion(m_.bodies[i]);
     const V nearer = dot(direction, velocity_of(i, m, x));
-    const Ends least = least_along(direction, i, m, sphere);
-    return clear(distance, {add(sub(distance, nearer), least.start), add(add(distance, nearer), least.end)},
+    const Ends ends = min_along(direction, i, m, sphere);
+    return clear(distance, {add(sub(distance, nearer), ends.start), add(add(distance, nearer), ends.end)},
                  add(m.bend, all(m_.bodies[i].padding + o.radius)));
   }
 
@@ -421,19 +421,22 @@ class Slice {
     return hit(mask, a, b);
   }
 
-  /// Those of the lanes in which the cluster of a body's inner sphere sticks out of the convex hull around another body
-  /// near that one's inner sphere. Where each of two sticks out of the other's hull, and their clusters overlap, their
-  /// surfaces intersect: neither is wholly inside the other.
-  __attribute__((noinline)) unsigned stick_out(int body, int sphere, int other, int near, float error,
+  /// Those of the lanes in which the cluster of a body's inner sphere sticks out of the convex hull of another body's
+  /// coarse spheres, in a direction from a sphere inside that one. Where clusters of two bodies overlap, and each
+  /// sticks out of the other's hull, their surfaces intersect: otherwise the outer boundary of what one encloses, which
+  /// is connected and which the other's cluster crosses, would be inside the other, and so within its hull. A solid
+  /// body collides with what is inside it too: then only its own cluster has to stick out. A gap below the padding
+  /// counts.
+  __attribute__((noinline)) unsigned stick_out(int body, int sphere, int other, int from_inner, float error,
                                                unsigned lanes) const {
     const KernelBody &of = m_.bodies[body], &beside = m_.bodies[other];
-    const V3 from = fine(beside, m_.spheres[near]);
+    const V3 from = fine(beside, m_.spheres[from_inner]);
     unsigned out = 0;
     for (int k = of.first_inner; k < of.first_inner + of.inners && out != lanes; ++k) {
       if (m_.spheres[k].cluster != m_.spheres[sphere].cluster) continue;
       const V3 away = fine(of, m_.spheres[k]) - from;
       const V distance = norm(away), reach = add(distance, all(m_.spheres[k].radius));
-      unsigned left = lanes & ~out;
+      unsigned left = lanes & ~out & bits(less(all(1e-6f), distance));
       for (int b = beside.first_sphere; b < beside.first_sphere + beside.spheres && left != 0; ++b) {
         const KernelSphere& around = m_.spheres[b];
         const V free = sub(reach, all(around.radius + error));
@@ -579,16 +582,16 @@ class Slice {
     int next_{}, found_{};
   };
 
-  /// Those of the lanes in which a plane between two coarse spheres, square to the line through their centres, keeps
-  /// their children apart.
+  /// Those of the lanes in which a plane between two coarse spheres, perpendicular to the line through their centres,
+  /// separates their children.
   SRMP_INLINE unsigned separated(const TwoBodies& two, const KernelSphere& sphere_a, const V3& xa,
                                  const KernelSphere& sphere_b, const V3& xb) const {
     const V3 away = xa - xb;
     const V distance = norm(away), inverse = quotient(all(1.0f), distance);
     const V3 direction = away * inverse, back = xb - xa;
     const V nearer = dot(direction, velocity_of(two.a, two.motion_a, xa) - velocity_of(two.b, two.motion_b, xb));
-    const Ends a = least_along(direction, two.a, two.motion_a, sphere_a);
-    const Ends b = least_along(back * inverse, two.b, two.motion_b, sphere_b);
+    const Ends a = min_along(direction, two.a, two.motion_a, sphere_a);
+    const Ends b = min_along(back * inverse, two.b, two.motion_b, sphere_b);
     return clear(distance, {sum(sub(distance, nearer), a.start, b.start), sum(add(distance, nearer), a.end, b.end)},
                  two.bend);
   }

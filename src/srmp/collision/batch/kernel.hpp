@@ -25,8 +25,8 @@ struct KernelNode {
 };
 
 struct KernelSphere {
-  float x, y, z;              // in the node's frame
-  float radius;               // padding included
+  float x, y, z;  // in the node's frame
+  float radius;
   int first_child, children;  // into Model::children; 0 children: nothing finer
   int cluster;                // inside: spheres of a body that overlap, directly or through others, are of one
 };
