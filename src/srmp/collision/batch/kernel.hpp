@@ -146,8 +146,8 @@ using KernelFunction = void (*)(const KernelModel&, const KernelRequest&, float*
 
 /// Floats of scratch memory (64-byte aligned) that a kernel needs.
 inline int scratch_floats(const KernelModel& m) {
-  return kLanes * (12 * m.node_count + 3 * m.body_count + 8 * m.stage_count + 3 * m.coarse_count + 3 * m.max_children) +
-         2 * m.max_children + 2 * m.body_count + 2 * m.coarse_count;
+  return kLanes * (12 * m.node_count + 5 * m.body_count + 8 * m.stage_count + 3 * m.coarse_count + 3 * m.max_children) +
+         2 * m.max_children + 2 * m.coarse_count;
 }
 
 void run_portable(const KernelModel&, const KernelRequest&, float* scratch, KernelResult&);
