@@ -437,8 +437,8 @@ BOOST_AUTO_TEST_CASE(what_moves_along_without_coming_nearer_is_free_at_once) {
     BOOST_CHECK(checker.motion(start, std::vector<double>{2.0, other}, *workspace, at_once) == CollisionStatus::free);
 }
 
-/// Two balls, hollow or solid, on a line. What is inside of a hollow one does not touch it.
-struct Balls {
+/// Two spherical bodies, hollow or solid, on a line. What is inside of a hollow one does not touch it.
+struct SphericalBodies {
   std::array<double, 2> radii{};
   std::array<bool, 2> hollow{};
   double padding{};
@@ -473,10 +473,10 @@ BOOST_AUTO_TEST_CASE(inner_spheres_of_hollow_bodies_hit_where_surfaces_intersect
   std::mt19937 random(10);
   int hits = 0, touching = 0, inside = 0;
   for (int i = 0; i < amount(400); ++i) {
-    Balls balls;
-    for (double& radius : balls.radii) radius = uniform(random, 0.05, 0.15);
-    balls.hollow = {i % 4 != 1, i % 4 != 2};
-    balls.padding = i % 3 ? 0.0 : 0.01;
+    SphericalBodies two;
+    for (double& radius : two.radii) radius = uniform(random, 0.05, 0.15);
+    two.hollow = {i % 4 != 1, i % 4 != 2};
+    two.padding = i % 3 ? 0.0 : 0.01;
     std::vector<double> q;
     for (int lane = 0; lane < 16; ++lane) {
       q.push_back(0.0);
@@ -484,19 +484,19 @@ BOOST_AUTO_TEST_CASE(inner_spheres_of_hollow_bodies_hit_where_surfaces_intersect
     }
     std::optional<BatchChecker::Lanes> first;
     for (const SimdBackend backend : available_simd_backends()) {
-      const BatchChecker checker(balls.world(), backend);
+      const BatchChecker checker(two.world(), backend);
       const auto lanes = checker.check_block(q, *checker.make_workspace());
       if (first) BOOST_REQUIRE((lanes.colliding == first->colliding && lanes.undecided == first->undecided));
       first = lanes;
     }
     for (std::size_t lane = 0; lane < 16; ++lane) {
       const double distance = std::abs(q[2 * lane + 1] - q[2 * lane]);
-      const bool touch = balls.touch(distance), hit = first->colliding >> lane & 1;
+      const bool touch = two.touch(distance), hit = first->colliding >> lane & 1;
       if (hit) BOOST_REQUIRE(touch);
       if (touch) BOOST_REQUIRE(((first->colliding | first->undecided) >> lane & 1));
       hits += hit;
       touching += touch;
-      inside += !touch && distance < balls.radii[0];
+      inside += !touch && distance < two.radii[0];
     }
   }
   BOOST_TEST(hits > touching / 2);

@@ -108,10 +108,10 @@ BatchRobotModel::BatchRobotModel(const BatchRobot& robot) : dof(robot.dof), actu
   for (std::size_t i = 0; i < robot.bodies.size(); ++i) require_valid_body(robot, i);
   add_nodes(robot);
   make_room(robot);
+  actuated_reach.assign(actuated_joints.size(), 0.0);
   for (const BatchBody& body : robot.bodies) add_body(body);
   coarse_count = static_cast<int>(spheres.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) add_fine_and_inner_spheres(robot.bodies[i], bodies[i]);
-  add_reach(robot);
 }
 
 void BatchRobotModel::make_room(const BatchRobot& robot) {
@@ -150,18 +150,15 @@ void BatchRobotModel::add_nodes(const BatchRobot& robot) {
   }
 }
 
-void BatchRobotModel::add_reach(const BatchRobot& robot) {
-  actuated_reach.assign(actuated_joints.size(), 0.0);
-  for (const BatchBody& body : robot.bodies) {
-    double beyond = body.bound.center.norm() + radius_around(body);
-    const double far = node_reach_[body.actuated_joint + 1] + beyond;
-    reach = std::max(reach, far);
-    body_reach.push_back(far + body.padding);
-    for (int k = body.actuated_joint; k >= 0; k = actuated_joints[k].parent) {
-      actuated_reach[k] = std::max(actuated_reach[k], actuated_joints[k].prismatic ? 1.0 : beyond);
-      nodes[k + 1].reach = above(1.0001 * actuated_reach[k] + 1e-3);
-      beyond += actuated_joints[k].frame.translation().norm() + actuated_joints[k].max_travel;
-    }
+void BatchRobotModel::add_reach(const BatchBody& body, double radius) {
+  double beyond = body.bound.center.norm() + radius;
+  const double far = node_reach_[body.actuated_joint + 1] + beyond;
+  reach = std::max(reach, far);
+  body_reach.push_back(far + body.padding);
+  for (int k = body.actuated_joint; k >= 0; k = actuated_joints[k].parent) {
+    actuated_reach[k] = std::max(actuated_reach[k], actuated_joints[k].prismatic ? 1.0 : beyond);
+    nodes[k + 1].reach = above(1.0001 * actuated_reach[k] + 1e-3);
+    beyond += actuated_joints[k].frame.translation().norm() + actuated_joints[k].max_travel;
   }
 }
 
@@ -180,9 +177,9 @@ void BatchRobotModel::add_body(const BatchBody& body) {
   kernel.first_stage = stage_count;
   stage_count += kernel.depth;
   const batch::KernelSphere bound = kernel_sphere(body.bound);
-  const double error = body_error(body);
+  const double error = body_error(body), radius = radius_around(body);
   kernel.x = bound.x, kernel.y = bound.y, kernel.z = bound.z, kernel.radius = bound.radius;
-  kernel.reach_radius = above((is_sphere(body) ? 0.0 : radius_around(body)) + 2 * error);
+  kernel.reach_radius = above((is_sphere(body) ? 0.0 : radius) + 2 * error);
   kernel.rounding = above(4 * error);
   kernel.padding = above(body.padding);
   kernel.exact = body.exact;
@@ -191,6 +188,7 @@ void BatchRobotModel::add_body(const BatchBody& body) {
   kernel.spheres = static_cast<int>(body.coarse.size());
   for (const PlacedSphere& sphere : body.coarse) spheres.push_back(kernel_sphere(sphere));
   bodies.push_back(kernel);
+  add_reach(body, radius);
   exact = exact && body.exact;
   error_bound = std::max(error_bound, error);
 }

@@ -36,7 +36,7 @@ struct BatchRobotModel {
   void add_nodes(const BatchRobot& robot);
   void add_body(const BatchBody& body);
   void add_fine_and_inner_spheres(const BatchBody& body, batch::KernelBody& kernel);
-  void add_reach(const BatchRobot& robot);
+  void add_reach(const BatchBody& body, double radius);
   double body_error(const BatchBody& body) const;
 
   // Of each node: bounds on rotation error (operator norm), position error and distance from the base.

@@ -19,23 +19,21 @@ SRMP_INLINE V3 cross(const V3& a, const V3& b) {
   return {sub(mul(a.y, b.z), mul(a.z, b.y)), sub(mul(a.z, b.x), mul(a.x, b.z)), sub(mul(a.x, b.y), mul(a.y, b.x))};
 }
 
-/// A direction in the obstacle's frame.
-SRMP_INLINE V3 turned(const KernelObstacle& o, const V3& c) {
+/// By the obstacle's rotation, or its transpose: the steps in memory to the next row and the next column tell which.
+SRMP_INLINE V3 rotated(const KernelObstacle& o, const V3& c, int to_row, int to_column) {
   if (o.aligned) return c;
-  const float* r = o.rotation;
-  return {sum(mul(c.x, all(r[0])), mul(c.y, all(r[1])), mul(c.z, all(r[2]))),
-          sum(mul(c.x, all(r[3])), mul(c.y, all(r[4])), mul(c.z, all(r[5]))),
-          sum(mul(c.x, all(r[6])), mul(c.y, all(r[7])), mul(c.z, all(r[8])))};
+  const auto along = [&](int i) {
+    const float* r = o.rotation + i * to_row;
+    return sum(mul(c.x, all(r[0])), mul(c.y, all(r[to_column])), mul(c.z, all(r[2 * to_column])));
+  };
+  return {along(0), along(1), along(2)};
 }
 
+/// A direction in the obstacle's frame.
+SRMP_INLINE V3 turned(const KernelObstacle& o, const V3& c) { return rotated(o, c, 3, 1); }
+
 /// A direction that is given in the obstacle's frame.
-SRMP_INLINE V3 turned_back(const KernelObstacle& o, const V3& c) {
-  if (o.aligned) return c;
-  const float* r = o.rotation;
-  return {sum(mul(c.x, all(r[0])), mul(c.y, all(r[3])), mul(c.z, all(r[6]))),
-          sum(mul(c.x, all(r[1])), mul(c.y, all(r[4])), mul(c.z, all(r[7]))),
-          sum(mul(c.x, all(r[2])), mul(c.y, all(r[5])), mul(c.z, all(r[8])))};
-}
+SRMP_INLINE V3 turned_back(const KernelObstacle& o, const V3& c) { return rotated(o, c, 1, 3); }
 
 SRMP_INLINE V3 local(const KernelObstacle& o, const V3& c) {
   return turned(o, c) + V3{all(o.offset[0]), all(o.offset[1]), all(o.offset[2])};

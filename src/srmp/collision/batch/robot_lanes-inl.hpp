@@ -235,6 +235,7 @@ class RobotLanes {
   V any_moved_;  // an upper bound of how far a body can move
 
  private:
+  // In rows of kWidth, placed_ and moved_ as well, so that what is beyond is aligned.
   float *frames_, *centers_, *stages_, *spheres_, *placed_, *moved_;
 };
 
