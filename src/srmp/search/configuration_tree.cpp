@@ -2,13 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace srmp::search {
 
 namespace {
 
-/// The angle wrapped to [-pi, pi] [rad].
-double wrapped(double angle) { return angle - 2.0 * M_PI * std::nearbyint(angle / (2.0 * M_PI)); }
+/// Angles wrapped to [-pi, pi] [rad]. Adding and subtracting `rounding` rounds to the nearest whole number, as
+/// std::nearbyint does, but several at once.
+template <class Angles>
+Angles wrapped(const Angles& angles) {
+  constexpr double rounding = 0x1.8p52;
+  return angles - 2.0 * M_PI * ((angles * (0.5 / M_PI) + rounding) - rounding);
+}
 
 }  // namespace
 
@@ -19,31 +25,43 @@ std::size_t ConfigurationTree::add(const Eigen::VectorXd& q, std::size_t parent)
 }
 
 std::size_t ConfigurationTree::append(const Eigen::VectorXd& q, std::size_t parent, double cost) {
-  columns_.resize(static_cast<std::size_t>(q.size()));
-  for (Eigen::Index k = 0; k < q.size(); ++k) columns_[static_cast<std::size_t>(k)].push_back(q[k]);
+  components_ = static_cast<std::size_t>(q.size());
+  const std::size_t in_block = size() % block;
+  if (in_block == 0) values_.resize(values_.size() + components_ * block);
+  for (std::size_t k = 0; k < components_; ++k)
+    std::fill_n(values_.begin() + static_cast<std::ptrdiff_t>(place(size(), k)), block - in_block,
+                q[static_cast<Eigen::Index>(k)]);
   parents_.push_back(parent);
   costs_.push_back(cost);
   return size() - 1;
 }
 
 Eigen::VectorXd ConfigurationTree::operator[](std::size_t i) const {
-  Eigen::VectorXd q(std::ssize(columns_));
-  for (std::size_t k = 0; k < columns_.size(); ++k) q[static_cast<Eigen::Index>(k)] = columns_[k][i];
+  Eigen::VectorXd q(static_cast<Eigen::Index>(components_));
+  for (std::size_t k = 0; k < components_; ++k) q[static_cast<Eigen::Index>(k)] = values_[place(i, k)];
   return q;
 }
 
 std::size_t ConfigurationTree::nearest(const Eigen::VectorXd& q) const {
-  distances_.assign(size(), 0.0);
-  for (std::size_t k = 0; k < columns_.size(); ++k) {
-    const double* column = columns_[k].data();
-    const double at = q[static_cast<Eigen::Index>(k)];
-    const bool wraps = !wraps_.empty() && wraps_[k];
-    for (std::size_t i = 0; i < size(); ++i) {
-      const double d = wraps ? wrapped(column[i] - at) : column[i] - at;
-      distances_[i] += d * d;
+  using Block = Eigen::Array<double, block, 1>;
+  std::size_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  const double* values = values_.data();
+  for (std::size_t first = 0; first < size(); first += block) {
+    Block squares = Block::Zero();
+    for (std::size_t k = 0; k < components_; ++k, values += block) {
+      Block difference = Eigen::Map<const Block>(values) - q[static_cast<Eigen::Index>(k)];
+      if (!wraps_.empty() && wraps_[k]) difference = wrapped(difference);
+      squares += difference.square();
     }
+    if (!(squares.minCoeff() < least)) continue;
+    for (std::size_t i = 0; i < block; ++i)
+      if (const double square = squares[static_cast<Eigen::Index>(i)]; square < least) {
+        least = square;
+        best = first + i;
+      }
   }
-  return static_cast<std::size_t>(std::min_element(distances_.begin(), distances_.end()) - distances_.begin());
+  return best;
 }
 
 std::vector<Eigen::VectorXd> ConfigurationTree::to_root(std::size_t i) const {
@@ -60,7 +78,7 @@ Eigen::VectorXd ConfigurationTree::difference(const Eigen::VectorXd& a, const Ei
 }
 
 std::size_t ConfigurationTree::memory() const {
-  return size() * (sizeof(double) * (columns_.size() + 1) + sizeof(std::size_t));
+  return sizeof(double) * values_.size() + size() * (sizeof(double) + sizeof(std::size_t));
 }
 
 }  // namespace srmp::search

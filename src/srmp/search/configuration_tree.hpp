@@ -32,13 +32,19 @@ class ConfigurationTree {
   std::size_t memory() const;
 
  private:
+  static constexpr std::size_t block = 8;  ///< configurations that are compared at once
+
   std::size_t append(const Eigen::VectorXd& q, std::size_t parent, double cost);
+  /// Of a component of configuration i in values_.
+  std::size_t place(std::size_t i, std::size_t component) const {
+    return (i / block * components_ + component) * block + i % block;
+  }
 
   std::vector<char> wraps_;
-  std::vector<std::vector<double>> columns_;  // one per component
-  std::vector<std::size_t> parents_;          // a root is its own parent
+  std::size_t components_{};
+  std::vector<double> values_;        // of each block: one component of all, the next one, ...; its last one is repeated
+  std::vector<std::size_t> parents_;  // a root is its own parent
   std::vector<double> costs_;
-  mutable std::vector<double> distances_;  // scratch
 };
 
 }  // namespace srmp::search

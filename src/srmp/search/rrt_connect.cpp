@@ -24,6 +24,8 @@ struct DirectionOptions {
 };
 const DirectionOptions direction_options;
 
+constexpr std::uint64_t attempts_per_look = 8;  // at the clock, which takes as long as some attempts
+
 }  // namespace
 
 double RandomSequence::next() {
@@ -53,7 +55,8 @@ RrtConnect::RrtConnect(RrtSpace space, std::uint64_t seed) : space_(std::move(sp
 
 std::optional<std::vector<Eigen::VectorXd>> RrtConnect::grow(std::uint64_t attempts, const Deadline& deadline) {
   if (space_.starts.empty() || space_.goals.empty()) return std::nullopt;
-  while (attempts_ < attempts && !stop_status(deadline)) {
+  const auto is_late = [&] { return attempts_ % attempts_per_look == 0 && stop_status(deadline); };
+  while (attempts_ < attempts && !is_late()) {
     if (attempts_++ == 0) {
       if (auto path = straight_path()) return path;
       continue;

@@ -259,7 +259,8 @@ class Slice : RobotLanes {
   struct TwoBodies {
     int a, b;
     Motion motion_a, motion_b;
-    V reach, bend;  // of both, with what is kept clear between them
+    V reach, bend;   // of both, with what is kept clear between them
+    float touching;  // the largest gap between two spheres, less float error, that is no gap
   };
 
   /// Those of the lanes in which a sphere of a and one of b are not proved to stay apart.
@@ -269,6 +270,13 @@ class Slice : RobotLanes {
     if (lanes == 0 || !request_.half_widths) return lanes;
     const V3 velocity = velocity_of(two.a, two.motion_a, xa) - velocity_of(two.b, two.motion_b, xb);
     return within(squared_norm(nearest_to_zero(away, velocity)), add(two.bend, all(radii))) & lanes;
+  }
+
+  /// Those of the lanes in which a sphere of a and one of b surely overlap.
+  SRMP_INLINE unsigned overlap(const TwoBodies& two, const V3& xa, const V3& xb, float radii, unsigned lanes) const {
+    const float distance = radii + two.touching;
+    if (lanes == 0 || !(distance > 0.0f)) return 0;
+    return lanes & bits(less(between(xa, xb), all(distance * distance)));
   }
 
   void check_self() {
@@ -281,8 +289,13 @@ class Slice : RobotLanes {
       move_body(pair.a);
       move_body(pair.b);
       const Motion of_a = motion(pair.stage_a), of_b = motion(pair.stage_b);
-      const TwoBodies two{
-          pair.a, pair.b, of_a, of_b, sum(of_a.reach, of_b.reach, kept), sum(of_a.bend, of_b.bend, kept)};
+      const TwoBodies two{pair.a,
+                          pair.b,
+                          of_a,
+                          of_b,
+                          sum(of_a.reach, of_b.reach, kept),
+                          sum(of_a.bend, of_b.bend, kept),
+                          pair.padding - pair.error};
       const unsigned pending = come_near(two, ca, cb, pair.radii, alive_);
       if (pending == 0) continue;
       check_self_closely(k, pair, pending, two);
@@ -319,7 +332,9 @@ class Slice : RobotLanes {
         const unsigned near = come_near(two, ci, cj, ri + m_.spheres[j].radius, both);
         if (near == 0) continue;
         if (pair.exact && a.exact && b.exact && hits_body(pair, i, j, between(ci, cj), near)) return;
-        undecided |= finer(two, m_.spheres[i], ci, m_.spheres[j], cj, near);
+        const Near found = finer(two, m_.spheres[i], ci, m_.spheres[j], cj, near);
+        undecided |= found.undecided;
+        if (hit(found.overlapping, i, j)) return;  // nothing could prove those lanes free
       }
     }
     if (undecided == 0) return;
@@ -381,32 +396,47 @@ class Slice : RobotLanes {
                  two.bend);
   }
 
+  struct Near {
+    unsigned undecided{};    // lanes that are not proved free
+    unsigned overlapping{};  // of those, where only proofs matter: some in which the spheres surely overlap
+  };
+
   /// Two coarse spheres are near: their children, or the sphere itself where there is none.
-  unsigned finer(const TwoBodies& two, const KernelSphere& sphere_a, const V3& ca, const KernelSphere& sphere_b,
-                 const V3& cb, unsigned near) const {
-    if (sphere_a.children == 0 && sphere_b.children == 0) return near;
-    near &= ~separated(two, sphere_a, ca, sphere_b, cb);
-    if (near == 0) return 0;
-    NearChildren of_b(*this, two, sphere_b, ca, sphere_a.radius, near);
-    unsigned undecided = 0;
-    if (sphere_a.children == 0) {
-      for (int j = 0; (near & ~undecided) && of_b.has(j); ++j) undecided |= of_b.lanes(j);
-      return undecided;
+  Near finer(const TwoBodies& two, const KernelSphere& sphere_a, const V3& ca, const KernelSphere& sphere_b,
+             const V3& cb, unsigned near) const {
+    Near found;
+    const auto note = [&](const V3& xa, const V3& xb, float radii, unsigned lanes) {
+      found.undecided |= lanes;
+      found.overlapping |= overlap(two, xa, xb, radii, lanes & proofs_only_);
+    };
+    if (sphere_a.children == 0 && sphere_b.children == 0) {
+      note(ca, cb, sphere_a.radius + sphere_b.radius, near);
+      return found;
     }
-    for (int i = 0; i < sphere_a.children && (near & ~undecided); ++i) {
+    near &= ~separated(two, sphere_a, ca, sphere_b, cb);
+    if (near == 0) return found;
+    NearChildren of_b(*this, two, sphere_b, ca, sphere_a.radius, near);
+    if (sphere_a.children == 0) {
+      for (int j = 0; (near & ~found.undecided) && of_b.has(j); ++j)
+        note(ca, of_b.center(j), sphere_a.radius + of_b.radius(j), of_b.lanes(j) & ~found.undecided);
+      return found;
+    }
+    for (int i = 0; i < sphere_a.children && (near & ~found.undecided); ++i) {
       const KernelSphere& fine_a = m_.spheres[m_.children[sphere_a.first_child + i].sphere];
       const V3 ci = fine(m_.bodies[two.a], fine_a);
-      const unsigned left = come_near(two, ci, cb, fine_a.radius + sphere_b.radius, near & ~undecided);
+      const unsigned left = come_near(two, ci, cb, fine_a.radius + sphere_b.radius, near & ~found.undecided);
       if (left == 0) continue;
       if (sphere_b.children == 0) {
-        undecided |= left;
+        note(ci, cb, fine_a.radius + sphere_b.radius, left);
         continue;
       }
-      for (int j = 0; (left & ~undecided) && of_b.has(j); ++j)
-        if (const unsigned both = of_b.lanes(j) & left & ~undecided)
-          undecided |= come_near(two, ci, of_b.center(j), fine_a.radius + of_b.radius(j), both);
+      for (int j = 0; (left & ~found.undecided) && of_b.has(j); ++j)
+        if (const unsigned both = of_b.lanes(j) & left & ~found.undecided) {
+          const float radii = fine_a.radius + of_b.radius(j);
+          note(ci, of_b.center(j), radii, come_near(two, ci, of_b.center(j), radii, both));
+        }
     }
-    return undecided;
+    return found;
   }
 
   KernelResult& result_;
