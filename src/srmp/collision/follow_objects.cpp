@@ -29,10 +29,17 @@ class Bodies::Following {
     using Kind = FixedChange::Kind;
     Kind kind = !existed ? Kind::inserted : !exists ? Kind::erased : Kind::replaced;
     if (kind == Kind::replaced && is_same(bodies_.fixed[index], object->second)) kind = Kind::moved;
-    changes.push_back({kind, index});
+    changes.push_back({kind, index, kind == Kind::moved});
     if (kind == Kind::moved) return move(index, object->second.pose);
-    if (existed) forget_pairs(index);
+    if (existed) keep_example(index);
     const auto at = static_cast<std::ptrdiff_t>(index);
+    if (kind == Kind::replaced) {
+      bodies_.fixed[index] = bodies_.free_object(object->second);
+      changed_[index] = true;
+      changes.back().same_pairs = update_pairs_of(index);
+      if (changes.back().same_pairs) return;
+    }
+    if (existed) forget_pairs(index);
     if (kind == Kind::erased) {
       forget_overlaps([&](bool is_fixed, std::uint32_t number) { return is_fixed && number == index; });
       --end_of_objects_;
@@ -46,16 +53,13 @@ class Bodies::Following {
       renumber(index, 1);
       bodies_.fixed.insert(bodies_.fixed.begin() + at, bodies_.free_object(object->second));
       changed_.insert(changed_.begin() + at, true);
-    } else {
-      bodies_.fixed[index] = bodies_.free_object(object->second);
-      changed_[index] = true;
     }
     add_pairs_of(index);
   }
 
   /// Updates what depends on all changes together: numbers of pairs, the tree and the overlaps.
   void finish() {
-    bodies_.number_pairs();
+    if (!std::ranges::all_of(changes, &FixedChange::same_pairs)) bodies_.number_pairs();
     bodies_.build_tree();
     forget_overlaps([&](bool is_fixed, std::uint32_t number) { return is_fixed && changed_[number]; });
     for (const auto& [a, b] : bodies_.fixed_pairs) {
@@ -100,13 +104,17 @@ class Bodies::Following {
     });
   }
 
-  void forget_pairs(std::size_t index) {
+  /// Formulas refer to the first solids that needed them.
+  void keep_example(std::size_t index) {
     const auto& examples = bodies_.formulas.examples();
     const FixedBody& body = bodies_.fixed[index];
     const auto& kept = bodies_.examples_;
     if (std::any_of(examples.begin(), examples.end(), [&](const auto& pair) { return pair.second == body.solid; }) &&
         std::find(kept.begin(), kept.end(), body.parts.hull) == kept.end())
       bodies_.examples_.push_back(body.parts.hull);
+  }
+
+  void forget_pairs(std::size_t index) {
     std::erase_if(bodies_.pairs, [&](const Pair& pair) { return pair.b_fixed && pair.b == index; });
     std::erase_if(bodies_.fixed_pairs, [&](const auto& pair) { return pair.first == index || pair.second == index; });
   }
@@ -129,6 +137,27 @@ class Bodies::Following {
                           : std::tuple(std::min(pair.a, pair.b), true, std::max(pair.a, pair.b));
     };
     return key(x) < key(y);
+  }
+
+  /// Updates what depends on the body in its pairs; false, and nothing is done, where they are not those of before.
+  bool update_pairs_of(std::size_t index) {
+    ContactRules rules(scene_, bodies_.group_, false);
+    const std::vector<PairSide> of_moving = rules.sides(bodies_.moving);
+    const PairSide object = rules.side(bodies_.fixed[index]);
+    std::vector<Pair*> pairs(of_moving.size());
+    for (Pair& pair : bodies_.pairs)
+      if (pair.b_fixed && pair.b == index) pairs[pair.a] = &pair;
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      if (rules.count(of_moving[i], object) != (pairs[i] != nullptr)) return false;
+    for (std::uint32_t i = 0; i < bodies_.fixed.size(); ++i) {
+      if (i == index || bodies_.fixed[i].robot != 0) continue;
+      const std::pair pair(i, static_cast<std::uint32_t>(index));
+      const bool listed = std::binary_search(bodies_.fixed_pairs.begin(), bodies_.fixed_pairs.end(), pair);
+      if (rules.count(rules.side(bodies_.fixed[i]), object) != listed) return false;
+    }
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      if (pairs[i]) *pairs[i] = bodies_.pair_of(of_moving[i], i, object, true, index);
+    return true;
   }
 
   void add_pairs_of(std::size_t index) {

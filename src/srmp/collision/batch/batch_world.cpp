@@ -252,13 +252,13 @@ std::vector<int> BatchScene::follow(const Bodies& bodies, std::span<const FixedC
   using Kind = FixedChange::Kind;
   constexpr int changed = -1;
   bool pairs_changed = false;
-  for (const auto& [kind, index] : changes) {
+  for (const auto& [kind, index, same_pairs] : changes) {
     const auto at = part_of_fixed.begin() + static_cast<std::ptrdiff_t>(index);
     if (kind == Kind::inserted)  // an object is an obstacle
       part_of_fixed.insert(at, {true, changed});
     if (kind == Kind::erased) part_of_fixed.erase(at);
     if (kind == Kind::replaced || kind == Kind::moved) at->number = changed;
-    pairs_changed = pairs_changed || kind != Kind::moved;
+    pairs_changed = pairs_changed || !same_pairs;
   }
   std::vector<BatchObstacle> obstacles;
   std::vector<int> before;
