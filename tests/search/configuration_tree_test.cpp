@@ -32,6 +32,19 @@ BOOST_AUTO_TEST_CASE(the_nearest_configuration_is_that_of_a_comparison_one_by_on
   }
 }
 
+BOOST_AUTO_TEST_CASE(the_first_of_those_that_are_nearest_is_found) {
+  for (std::size_t size = 1; size < 30; ++size)
+    for (std::size_t first = 0; first < size; ++first) {
+      ConfigurationTree tree({0, 1});
+      for (std::size_t i = 0; i < size; ++i)
+        tree.add_root(Vector2d(i < first ? 1.0 : 0.0, 2.0 * std::numbers::pi * static_cast<double>(i % 3)));
+      BOOST_TEST(tree.nearest(Vector2d(0.0, 0.0)) >= first);
+      ConfigurationTree without_angles;
+      for (std::size_t i = 0; i < size; ++i) without_angles.add_root(Vector2d(i < first ? 1.0 : 0.0, 0.0));
+      BOOST_TEST(without_angles.nearest(Vector2d(0.0, 0.0)) == first);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(ways_lead_to_the_root_at_their_length) {
   ConfigurationTree tree;
   BOOST_TEST(tree.empty());

@@ -42,7 +42,7 @@ class ConfigurationTree {
 
   std::vector<char> wraps_;
   std::size_t components_{};
-  std::vector<double> values_;        // of each block: one component of all, the next one, ...; its last one is repeated
+  std::vector<double> values_;  // of each block: one component of all, the next one, ...; its last one is repeated
   std::vector<std::size_t> parents_;  // a root is its own parent
   std::vector<double> costs_;
 };

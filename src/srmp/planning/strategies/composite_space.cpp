@@ -93,9 +93,9 @@ bool CompositeSpace::is_motion_free(const Eigen::VectorXd& a, const Eigen::Vecto
   }
   for (std::size_t i = 0; i < size(); ++i)
     for (std::size_t k = i + 1; k < size(); ++k)
-      if ((moves[i] || moves[k]) && !world_.are_collision_free(robots_[i], part(a, i), part(b, i), robots_[k],
-                                                               part(a, k), part(b, k),
-                                                               {true, !(at_end && pair_near_ends_[i * size() + k])}))
+      if ((moves[i] || moves[k]) &&
+          !world_.are_collision_free(robots_[i], part(a, i), part(b, i), robots_[k], part(a, k), part(b, k),
+                                     {true, !(at_end && pair_near_ends_[i * size() + k])}))
         return false;
   for (std::size_t i = 0; i < size(); ++i)
     for (std::size_t k = 0; k < others_.size(); ++k) {

@@ -67,7 +67,7 @@ class CompositeSpace {
   MultiRobotWorld& world_;
   std::vector<std::size_t> robots_;
   Others others_;
-  std::vector<char> near_ends_;  // by other: may only the exact geometry tell that the ends are clear of it?
+  std::vector<char> near_ends_;       // by other: may only the exact geometry tell that the ends are clear of it?
   std::vector<char> pair_near_ends_;  // [i * size() + k], i < k: the same of two robots of the space
   std::vector<Joint> joints_;
   std::vector<Eigen::Index> first_;
