@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "srmp/core/error.hpp"
 #include "srmp/search/rrt_connect.hpp"
 
 using Eigen::Vector2d;
@@ -32,17 +33,34 @@ BOOST_AUTO_TEST_CASE(the_nearest_configuration_is_that_of_a_comparison_one_by_on
   }
 }
 
-BOOST_AUTO_TEST_CASE(the_first_of_those_that_are_nearest_is_found) {
-  for (std::size_t size = 1; size < 30; ++size)
-    for (std::size_t first = 0; first < size; ++first) {
-      ConfigurationTree tree({0, 1});
-      for (std::size_t i = 0; i < size; ++i)
-        tree.add_root(Vector2d(i < first ? 1.0 : 0.0, 2.0 * std::numbers::pi * static_cast<double>(i % 3)));
-      BOOST_TEST(tree.nearest(Vector2d(0.0, 0.0)) >= first);
-      ConfigurationTree without_angles;
-      for (std::size_t i = 0; i < size; ++i) without_angles.add_root(Vector2d(i < first ? 1.0 : 0.0, 0.0));
-      BOOST_TEST(without_angles.nearest(Vector2d(0.0, 0.0)) == first);
+BOOST_AUTO_TEST_CASE(the_first_of_those_that_are_nearest_is_found_at_every_size) {
+  srmp::search::RandomSequence random(11);
+  const auto draw = [&]() -> Eigen::VectorXd {  // few values, so that many are equally near, and none near 0
+    const double x = 2.0 + std::floor(3.0 * random.next()), turns = std::floor(7.0 * random.next()) - 3.0;
+    return Vector2d(x, 2.0 * std::numbers::pi * turns + (random.next() < 0.5 ? 2.0 : -2.0));
+  };
+  for (const char wraps : {0, 1}) {
+    ConfigurationTree tree({0, wraps});
+    for (std::size_t size = 1; size <= 40; ++size) {
+      const Eigen::VectorXd newest = draw();
+      size == 1 ? tree.add_root(newest) : tree.add(newest, 0);
+      for (const Eigen::VectorXd& q : {Eigen::VectorXd(Vector2d(0.0, 0.0)), draw()}) {
+        const std::size_t found = tree.nearest(q);
+        for (std::size_t i = 0; i < size; ++i) {
+          const double margin = tree.distance(q, tree[i]) - tree.distance(q, tree[found]);
+          BOOST_TEST(margin > -1e-12);
+          if (i < found && tree[i] == tree[found]) BOOST_ERROR("an equal one comes before");
+        }
+      }
     }
+  }
+}
+
+BOOST_AUTO_TEST_CASE(a_configuration_of_another_size_is_refused) {
+  ConfigurationTree tree;
+  tree.add_root(Vector2d(0, 0));
+  BOOST_CHECK_THROW(tree.add_root(Vector3d(0, 0, 0)), srmp::InvalidArgument);
+  BOOST_TEST(tree.size() == 1u);
 }
 
 BOOST_AUTO_TEST_CASE(ways_lead_to_the_root_at_their_length) {

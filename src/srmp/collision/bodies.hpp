@@ -45,7 +45,7 @@ struct PairSide;
 struct FixedChange {
   enum class Kind { inserted, erased, replaced, moved } kind{};
   std::size_t index{};  // once the changes before are done
-  bool same_pairs{};    // are the body's pairs those of before?
+  bool same_pairs{};    // does the body have pairs with the same bodies as before?
 };
 
 struct Bodies {

@@ -139,7 +139,8 @@ class Bodies::Following {
     return key(x) < key(y);
   }
 
-  /// Updates what depends on the body in its pairs; false, and nothing is done, where they are not those of before.
+  /// Updates what depends on the body in its pairs; false, and nothing is done, where these are with other bodies than
+  /// before.
   bool update_pairs_of(std::size_t index) {
     ContactRules rules(scene_, bodies_.group_, false);
     const std::vector<PairSide> of_moving = rules.sides(bodies_.moving);

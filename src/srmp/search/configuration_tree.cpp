@@ -1,15 +1,23 @@
 #include "srmp/search/configuration_tree.hpp"
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <limits>
+
+#include "srmp/core/error.hpp"
 
 namespace srmp::search {
 
 namespace {
 
+static_assert(FLT_EVAL_METHOD == 0, "wrapped() needs sums that are rounded to double precision");
+#ifdef __FAST_MATH__
+#error "wrapped() needs sums in the order in which they are written, so no -ffast-math"
+#endif
+
 /// Angles wrapped to [-pi, pi] [rad]. Adding and subtracting `rounding` rounds to the nearest whole number, as
-/// std::nearbyint does, but several at once.
+/// std::nearbyint does, but several at once; below 2^51 turns.
 template <class Angles>
 Angles wrapped(const Angles& angles) {
   constexpr double rounding = 0x1.8p52;
@@ -25,7 +33,10 @@ std::size_t ConfigurationTree::add(const Eigen::VectorXd& q, std::size_t parent)
 }
 
 std::size_t ConfigurationTree::append(const Eigen::VectorXd& q, std::size_t parent, double cost) {
-  components_ = static_cast<std::size_t>(q.size());
+  if (empty()) components_ = static_cast<std::size_t>(q.size());
+  if (static_cast<std::size_t>(q.size()) != components_)
+    throw InvalidArgument("the tree's configurations have " + std::to_string(components_) + " components, not " +
+                          std::to_string(q.size()));
   const std::size_t in_block = size() % block;
   if (in_block == 0) values_.resize(values_.size() + components_ * block);
   for (std::size_t k = 0; k < components_; ++k)

@@ -35,14 +35,15 @@ class ConfigurationTree {
   static constexpr std::size_t block = 8;  ///< configurations that are compared at once
 
   std::size_t append(const Eigen::VectorXd& q, std::size_t parent, double cost);
-  /// Of a component of configuration i in values_.
+  /// Where in values_ a component of configuration i is.
   std::size_t place(std::size_t i, std::size_t component) const {
     return (i / block * components_ + component) * block + i % block;
   }
 
   std::vector<char> wraps_;
   std::size_t components_{};
-  std::vector<double> values_;  // of each block: one component of all, the next one, ...; its last one is repeated
+  std::vector<double> values_;  // of each block: one component of all, the next one, ...; a block that is not full is
+                                // filled up with its last configuration
   std::vector<std::size_t> parents_;  // a root is its own parent
   std::vector<double> costs_;
 };

@@ -55,8 +55,9 @@ RrtConnect::RrtConnect(RrtSpace space, std::uint64_t seed) : space_(std::move(sp
 
 std::optional<std::vector<Eigen::VectorXd>> RrtConnect::grow(std::uint64_t attempts, const Deadline& deadline) {
   if (space_.starts.empty() || space_.goals.empty()) return std::nullopt;
-  const auto is_late = [&] { return attempts_ % attempts_per_look == 0 && stop_status(deadline); };
-  while (attempts_ < attempts && !is_late()) {
+  const std::uint64_t first = attempts_;
+  const auto must_stop = [&] { return (attempts_ - first) % attempts_per_look == 0 && stop_status(deadline); };
+  while (attempts_ < attempts && !must_stop()) {
     if (attempts_++ == 0) {
       if (auto path = straight_path()) return path;
       continue;

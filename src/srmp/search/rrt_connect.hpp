@@ -55,8 +55,8 @@ class RrtConnect {
   /// far as it is free, or until the deadline. Its motions may be longer than max_step. Throws InvalidArgument for an
   /// empty path, and for configurations of another size than the starts and goals.
   void follow(const std::vector<Eigen::VectorXd>& path, const Deadline& deadline);
-  /// Grows the trees until there is a path, from a start to a goal, or `attempts` were made since construction. May be
-  /// called again with more attempts.
+  /// Grows the trees until there is a path, from a start to a goal, or `attempts` were made since construction, or the
+  /// deadline, at which each eighth attempt looks. May be called again with more attempts.
   std::optional<std::vector<Eigen::VectorXd>> grow(std::uint64_t attempts, const Deadline& deadline);
   std::uint64_t attempts() const { return attempts_; }
   std::size_t memory() const;

@@ -334,7 +334,11 @@ class Slice : RobotLanes {
         if (pair.exact && a.exact && b.exact && hits_body(pair, i, j, between(ci, cj), near)) return;
         const Near found = finer(two, m_.spheres[i], ci, m_.spheres[j], cj, near);
         undecided |= found.undecided;
-        if (hit(found.overlapping, i, j)) return;  // nothing could prove those lanes free
+        // Spheres may reach beyond those around them: where all overlap, nothing could prove those lanes free.
+        unsigned all_overlap = overlap(two, ci, cj, ri + m_.spheres[j].radius, found.overlapping);
+        all_overlap = overlap(two, ci, cb, ri + b.radius, all_overlap);
+        all_overlap = overlap(two, ca, cj, m_.spheres[j].radius + a.radius, all_overlap);
+        if (hit(overlap(two, ca, cb, pair.radii, all_overlap), i, j)) return;
       }
     }
     if (undecided == 0) return;
@@ -398,19 +402,21 @@ class Slice : RobotLanes {
 
   struct Near {
     unsigned undecided{};    // lanes that are not proved free
-    unsigned overlapping{};  // of those, where only proofs matter: some in which the spheres surely overlap
+    unsigned overlapping{};  // of those, where only proofs matter: some in which spheres surely overlap
   };
 
   /// Two coarse spheres are near: their children, or the sphere itself where there is none.
   Near finer(const TwoBodies& two, const KernelSphere& sphere_a, const V3& ca, const KernelSphere& sphere_b,
              const V3& cb, unsigned near) const {
     Near found;
-    const auto note = [&](const V3& xa, const V3& xb, float radii, unsigned lanes) {
+    const auto note = [&](const V3& xa, float ra, const V3& xb, float rb, unsigned lanes) {
       found.undecided |= lanes;
-      found.overlapping |= overlap(two, xa, xb, radii, lanes & proofs_only_);
+      lanes = overlap(two, xa, xb, ra + rb, lanes & proofs_only_);
+      lanes = overlap(two, xa, cb, ra + sphere_b.radius, lanes);
+      found.overlapping |= overlap(two, ca, xb, sphere_a.radius + rb, lanes);
     };
     if (sphere_a.children == 0 && sphere_b.children == 0) {
-      note(ca, cb, sphere_a.radius + sphere_b.radius, near);
+      note(ca, sphere_a.radius, cb, sphere_b.radius, near);
       return found;
     }
     near &= ~separated(two, sphere_a, ca, sphere_b, cb);
@@ -418,7 +424,7 @@ class Slice : RobotLanes {
     NearChildren of_b(*this, two, sphere_b, ca, sphere_a.radius, near);
     if (sphere_a.children == 0) {
       for (int j = 0; (near & ~found.undecided) && of_b.has(j); ++j)
-        note(ca, of_b.center(j), sphere_a.radius + of_b.radius(j), of_b.lanes(j) & ~found.undecided);
+        note(ca, sphere_a.radius, of_b.center(j), of_b.radius(j), of_b.lanes(j) & ~found.undecided);
       return found;
     }
     for (int i = 0; i < sphere_a.children && (near & ~found.undecided); ++i) {
@@ -427,13 +433,13 @@ class Slice : RobotLanes {
       const unsigned left = come_near(two, ci, cb, fine_a.radius + sphere_b.radius, near & ~found.undecided);
       if (left == 0) continue;
       if (sphere_b.children == 0) {
-        note(ci, cb, fine_a.radius + sphere_b.radius, left);
+        note(ci, fine_a.radius, cb, sphere_b.radius, left);
         continue;
       }
       for (int j = 0; (left & ~found.undecided) && of_b.has(j); ++j)
         if (const unsigned both = of_b.lanes(j) & left & ~found.undecided) {
           const float radii = fine_a.radius + of_b.radius(j);
-          note(ci, of_b.center(j), radii, come_near(two, ci, of_b.center(j), radii, both));
+          note(ci, fine_a.radius, of_b.center(j), of_b.radius(j), come_near(two, ci, of_b.center(j), radii, both));
         }
     }
     return found;

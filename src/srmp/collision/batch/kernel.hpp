@@ -135,8 +135,8 @@ struct KernelRequest {
 
 struct KernelResult {
   LaneMask undecided;    // lanes with a pair that is not proved free
-  LaneMask colliding;    // lanes that surely collide at their sample, or where only proofs matter, in which spheres
-                         // around two bodies do; unless every_lane, the first found ends the run
+  LaneMask colliding;    // lanes that surely collide at their sample; where only proofs matter, those too in which
+                         // spheres that cover two bodies overlap there; unless every_lane, the first found ends the run
   KernelHit hit;         // of the colliding lanes, one
   LaneMask* pair_lanes;  // [pair_count + self_pair_count], zero on entry: lanes in which the pair is undecided
   KernelPair* undecided_pairs;  // room for as many: those of which these are not zero

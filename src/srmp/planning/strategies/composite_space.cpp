@@ -10,7 +10,7 @@ CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> 
   add_joints();
   for (std::size_t i = 0; i < size(); ++i) part(start_, i) = task(i).start;
   add_targets(0, start_);
-  find_near_ends();
+  find_others_near_ends();
 }
 
 CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots,
@@ -23,22 +23,11 @@ CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> 
     part(start_, i) = starts[i];
     part(targets_.front(), i) = goals[i];
   }
-  find_near_ends();
+  find_others_near_ends();
 }
 
-void CompositeSpace::find_near_ends() {
+void CompositeSpace::find_others_near_ends() {
   for (const Standing& other : others_) near_ends_.push_back(!options_.others_by_spheres || !is_clear_of_ends(other));
-  for (std::size_t i = 0; i < size(); ++i)
-    for (std::size_t k = 0; k < size(); ++k) pair_near_ends_.push_back(i < k && !are_clear_at_ends(i, k));
-}
-
-/// By spheres alone.
-bool CompositeSpace::are_clear_at_ends(std::size_t i, std::size_t k) const {
-  const auto are_clear = [&](const Eigen::VectorXd& end) {
-    const Eigen::VectorXd other = part(end, k);
-    return world_.collision_free_with(robots_[i], part(end, i), robots_[k], {&other, 1}).front() != 0;
-  };
-  return are_clear(start_) && std::ranges::all_of(targets_, are_clear);
 }
 
 /// By spheres alone.
@@ -93,9 +82,8 @@ bool CompositeSpace::is_motion_free(const Eigen::VectorXd& a, const Eigen::Vecto
   }
   for (std::size_t i = 0; i < size(); ++i)
     for (std::size_t k = i + 1; k < size(); ++k)
-      if ((moves[i] || moves[k]) &&
-          !world_.are_collision_free(robots_[i], part(a, i), part(b, i), robots_[k], part(a, k), part(b, k),
-                                     {true, !(at_end && pair_near_ends_[i * size() + k])}))
+      if ((moves[i] || moves[k]) && !world_.are_collision_free(robots_[i], part(a, i), part(b, i), robots_[k],
+                                                               part(a, k), part(b, k), {true, !at_end}))
         return false;
   for (std::size_t i = 0; i < size(); ++i)
     for (std::size_t k = 0; k < others_.size(); ++k) {

@@ -58,17 +58,15 @@ class CompositeSpace {
 
  private:
   void add_joints();
-  void find_near_ends();
+  void find_others_near_ends();
   bool is_clear_of_ends(const Standing& other) const;
-  bool are_clear_at_ends(std::size_t i, std::size_t k) const;
   void add_targets(std::size_t i, Eigen::VectorXd q);
   bool is_end(const Eigen::VectorXd& q) const;
 
   MultiRobotWorld& world_;
   std::vector<std::size_t> robots_;
   Others others_;
-  std::vector<char> near_ends_;       // by other: may only the exact geometry tell that the ends are clear of it?
-  std::vector<char> pair_near_ends_;  // [i * size() + k], i < k: the same of two robots of the space
+  std::vector<char> near_ends_;  // by other: may only the exact geometry tell that the ends are clear of it?
   std::vector<Joint> joints_;
   std::vector<Eigen::Index> first_;
   Eigen::VectorXd start_;
