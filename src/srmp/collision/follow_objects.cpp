@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <tuple>
 
 #include "srmp/collision/bodies.hpp"
@@ -36,11 +37,14 @@ class Bodies::Following {
     if (kind == Kind::replaced) {
       bodies_.fixed[index] = bodies_.free_object(object->second);
       changed_[index] = true;
-      changes.back().same_pairs = update_pairs_of(index);
+      const PairsOfObject own = pairs_of(index);
+      changes.back().same_pairs = update_pairs(index, own);
       if (changes.back().same_pairs) return;
+      forget_pairs(index);
+      return add_pairs(own);
     }
-    if (existed) forget_pairs(index);
     if (kind == Kind::erased) {
+      forget_pairs(index);
       forget_overlaps([&](bool is_fixed, std::uint32_t number) { return is_fixed && number == index; });
       --end_of_objects_;
       bodies_.fixed.erase(bodies_.fixed.begin() + at);
@@ -48,13 +52,11 @@ class Bodies::Following {
       renumber(index + 1, -1);
       return;
     }
-    if (kind == Kind::inserted) {
-      ++end_of_objects_;
-      renumber(index, 1);
-      bodies_.fixed.insert(bodies_.fixed.begin() + at, bodies_.free_object(object->second));
-      changed_.insert(changed_.begin() + at, true);
-    }
-    add_pairs_of(index);
+    ++end_of_objects_;
+    renumber(index, 1);
+    bodies_.fixed.insert(bodies_.fixed.begin() + at, bodies_.free_object(object->second));
+    changed_.insert(changed_.begin() + at, true);
+    add_pairs(pairs_of(index));
   }
 
   /// Updates what depends on all changes together: numbers of pairs, the tree and the overlaps.
@@ -139,38 +141,45 @@ class Bodies::Following {
     return key(x) < key(y);
   }
 
-  /// Updates what depends on the body in its pairs; false, and nothing is done, where these are with other bodies than
-  /// before.
-  bool update_pairs_of(std::size_t index) {
+  using FixedPair = std::pair<std::uint32_t, std::uint32_t>;
+  /// Those of an object that count, in their order.
+  struct PairsOfObject {
+    std::vector<Pair> moving;      // with moving bodies
+    std::vector<FixedPair> fixed;  // with links that stand still
+  };
+
+  PairsOfObject pairs_of(std::size_t index) {
     ContactRules rules(scene_, bodies_.group_, false);
     const std::vector<PairSide> of_moving = rules.sides(bodies_.moving);
     const PairSide object = rules.side(bodies_.fixed[index]);
-    std::vector<Pair*> pairs(of_moving.size());
+    PairsOfObject found;
+    for (std::size_t i = 0; i < of_moving.size(); ++i)
+      if (rules.count(of_moving[i], object))
+        found.moving.push_back(bodies_.pair_of(of_moving[i], i, object, true, index));
+    for (std::uint32_t i = 0; i < bodies_.fixed.size(); ++i)
+      if (i != index && bodies_.fixed[i].robot == 0 && rules.count(rules.side(bodies_.fixed[i]), object))
+        found.fixed.emplace_back(i, static_cast<std::uint32_t>(index));
+    return found;
+  }
+
+  /// Puts the object's pairs where those of before are; false, and nothing is done, where these are with other bodies.
+  bool update_pairs(std::size_t index, const PairsOfObject& own) {
+    std::vector<Pair*> before;
     for (Pair& pair : bodies_.pairs)
-      if (pair.b_fixed && pair.b == index) pairs[pair.a] = &pair;
-    for (std::size_t i = 0; i < pairs.size(); ++i)
-      if (rules.count(of_moving[i], object) != (pairs[i] != nullptr)) return false;
-    for (std::uint32_t i = 0; i < bodies_.fixed.size(); ++i) {
-      if (i == index || bodies_.fixed[i].robot != 0) continue;
-      const std::pair pair(i, static_cast<std::uint32_t>(index));
-      const bool listed = std::binary_search(bodies_.fixed_pairs.begin(), bodies_.fixed_pairs.end(), pair);
-      if (rules.count(rules.side(bodies_.fixed[i]), object) != listed) return false;
-    }
-    for (std::size_t i = 0; i < pairs.size(); ++i)
-      if (pairs[i]) *pairs[i] = bodies_.pair_of(of_moving[i], i, object, true, index);
+      if (pair.b_fixed && pair.b == index) before.push_back(&pair);
+    std::vector<FixedPair> fixed;
+    std::ranges::copy_if(bodies_.fixed_pairs, std::back_inserter(fixed),
+                         [&](const FixedPair& pair) { return pair.first == index || pair.second == index; });
+    if (fixed != own.fixed || !std::ranges::equal(before, own.moving, {}, &Pair::a, &Pair::a)) return false;
+    for (std::size_t i = 0; i < before.size(); ++i) *before[i] = own.moving[i];
     return true;
   }
 
-  void add_pairs_of(std::size_t index) {
-    ContactRules rules(scene_, bodies_.group_, false);
-    const std::vector<PairSide> of_moving = rules.sides(bodies_.moving);
-    const PairSide object = rules.side(bodies_.fixed[index]);
+  void add_pairs(const PairsOfObject& own) {
     std::vector<Pair> all;
-    all.reserve(bodies_.pairs.size() + of_moving.size());
+    all.reserve(bodies_.pairs.size() + own.moving.size());
     auto next = bodies_.pairs.begin();
-    for (std::size_t i = 0; i < of_moving.size(); ++i) {
-      if (!rules.count(of_moving[i], object)) continue;
-      const Pair pair = bodies_.pair_of(of_moving[i], i, object, true, index);
+    for (const Pair& pair : own.moving) {
       const auto place = std::lower_bound(next, bodies_.pairs.end(), pair, comes_before);
       all.insert(all.end(), next, place);
       all.push_back(pair);
@@ -178,12 +187,8 @@ class Bodies::Following {
     }
     all.insert(all.end(), next, bodies_.pairs.end());
     bodies_.pairs = std::move(all);
-    for (std::uint32_t i = 0; i < bodies_.fixed.size(); ++i)
-      if (i != index && bodies_.fixed[i].robot == 0 && rules.count(rules.side(bodies_.fixed[i]), object)) {
-        const std::pair pair(i, static_cast<std::uint32_t>(index));
-        bodies_.fixed_pairs.insert(std::upper_bound(bodies_.fixed_pairs.begin(), bodies_.fixed_pairs.end(), pair),
-                                   pair);
-      }
+    for (const FixedPair& pair : own.fixed)
+      bodies_.fixed_pairs.insert(std::ranges::upper_bound(bodies_.fixed_pairs, pair), pair);
   }
 
   Bodies& bodies_;

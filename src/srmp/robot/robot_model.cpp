@@ -162,7 +162,7 @@ void RobotModel::require_configuration(ConstVector q, std::string_view what) con
   if (q.size() != static_cast<Eigen::Index>(dof()))
     throw InvalidArgument(std::string(what) + " has " + std::to_string(q.size()) + " values; robot '" + name() +
                           "' has " + std::to_string(dof()) + " planned joints: " + quoted_list(joint_names()));
-  if (!q.allFinite()) require_finite({q.data(), static_cast<std::size_t>(q.size())}, what, joint_names());
+  require_finite({q.data(), static_cast<std::size_t>(q.size())}, what, joint_names());
 }
 
 void RobotModel::refuse_joint(const std::string& joint) const { throw InvalidArgument(why_not_a_joint(*impl_, joint)); }

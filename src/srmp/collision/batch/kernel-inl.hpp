@@ -334,6 +334,7 @@ class Slice : RobotLanes {
         if (pair.exact && a.exact && b.exact && hits_body(pair, i, j, between(ci, cj), near)) return;
         const Near found = finer(two, m_.spheres[i], ci, m_.spheres[j], cj, near);
         undecided |= found.undecided;
+        if (found.overlapping == 0) continue;
         // Spheres may reach beyond those around them: where all overlap, nothing could prove those lanes free.
         unsigned all_overlap = overlap(two, ci, cj, ri + m_.spheres[j].radius, found.overlapping);
         all_overlap = overlap(two, ci, cb, ri + b.radius, all_overlap);
