@@ -121,13 +121,6 @@ namespace {
 struct OrientedBox {
   Eigen::Matrix3d axes;
   Eigen::Vector3d center, half;
-
-  /// Is it farther than `limit` from the triangle's plane?
-  bool beyond_plane(const PrimitiveBvh::Triangle& t, double limit) const {
-    const Eigen::Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]);
-    const double scaled = std::abs(normal.dot(center - t[0])) - (axes.transpose() * normal).cwiseAbs().dot(half);
-    return scaled > 0 && scaled * scaled > limit * limit * normal.squaredNorm();
-  }
 };
 
 OrientedBox box_around(const Placed& body) {
@@ -154,6 +147,37 @@ Eigen::Vector3d middle_of(const PrimitiveBvh& tree, std::size_t primitive) {
   const PrimitiveBvh::Triangle& t = tree.triangles()[primitive];
   return (t[0] + t[1] + t[2]) / 3;
 }
+
+/// How far a primitive reaches along a direction.
+double reach_along(const Eigen::Vector3d& direction, const PrimitiveBvh& tree, std::size_t primitive) {
+  if (tree.of_cubes()) return direction.dot(tree.cubes()[primitive]) + tree.edge() / 2 * direction.lpNorm<1>();
+  const PrimitiveBvh::Triangle& t = tree.triangles()[primitive];
+  return std::max({direction.dot(t[0]), direction.dot(t[1]), direction.dot(t[2])});
+}
+
+/// Directions across which GJK has found primitives apart. Neighbours of those are often apart across the same one, as
+/// two projections show.
+class KnownDirections {
+ public:
+  struct Direction {
+    Eigen::Vector3d in_a, in_b;  // the unit vector from b to a, in the frame of each
+    double offset;               // what the gap is more than the projections say
+  };
+
+  void clear() { count_ = 0; }
+  /// In place of the oldest one.
+  void add(const Direction& direction) { directions_[count_++ % directions_.size()] = direction; }
+  /// Is the gap across one of them more than `limit`?
+  template <class GapAcross>
+  bool separate(double limit, GapAcross&& gap_across) const {
+    const auto end = directions_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, directions_.size()));
+    return std::any_of(directions_.begin(), end, [&](const Direction& known) { return gap_across(known) > limit; });
+  }
+
+ private:
+  std::array<Direction, 3> directions_;
+  std::size_t count_{};
+};
 
 /// A primitive of a BVH as one of Coal's shapes.
 class PrimitiveShape {
@@ -223,6 +247,7 @@ struct NarrowPhase::Impl {
     std::uint32_t a, b;
   };
   std::vector<Open> open;
+  KnownDirections known;     // in this query
   int separation_queries{};  // in this query
   coal::Box box{1, 1, 1};
   std::function<void()> poll = [] {};
@@ -234,6 +259,8 @@ struct NarrowPhase::Impl {
   double run_gjk(const Eigen::Vector3d& guess, double margin,
                  const coal::support_func_guess_t& hint = coal::support_func_guess_t::Zero());
   double gap_across(const Eigen::Vector3d& direction) const;
+  void remember_direction_from_solid(const Eigen::Isometry3d& to_tree);
+  void remember_direction(const Eigen::Isometry3d& to_a);
   double by_formula(int formula, const Placed& a, const Placed& b, double margin);
   double solid_to_primitive(const Placed& solid, const PrimitiveBvh& tree, std::size_t primitive,
                             const Eigen::Isometry3d& to_tree, PrimitiveShape& shape, double margin);
@@ -313,6 +340,24 @@ double NarrowPhase::Impl::gap_across(const Eigen::Vector3d& direction) const {
   return std::max(0.0, direction.dot(a - b) / length - difference.swept_sphere_radius.sum());
 }
 
+/// Remembers across which direction GJK found the solid and a primitive of the tree apart.
+void NarrowPhase::Impl::remember_direction_from_solid(const Eigen::Isometry3d& to_tree) {
+  const double length = gjk.ray.norm();
+  if (!(length > contact_distance)) return;
+  const Eigen::Vector3d direction = gjk.ray / length, in_tree = to_tree.linear() * direction;
+  int vertex = gjk.support_hint[0];
+  const double nearest = direction.dot(difference.support0(-direction, vertex)) - difference.swept_sphere_radius[0];
+  known.add({direction, in_tree, nearest + in_tree.dot(to_tree.translation())});
+}
+
+/// The same for a primitive of a and one of b. `to_a`: from the frame of b.
+void NarrowPhase::Impl::remember_direction(const Eigen::Isometry3d& to_a) {
+  const double length = gjk.ray.norm();
+  if (!(length > contact_distance)) return;
+  const Eigen::Vector3d direction = gjk.ray / length;
+  known.add({direction, to_a.linear().transpose() * direction, -direction.dot(to_a.translation())});
+}
+
 double NarrowPhase::Impl::by_formula(int formula, const Placed& a, const Placed& b, double margin) {
   count_step();
   const Functor& functor = *formulas[static_cast<std::size_t>(formula)];
@@ -390,6 +435,7 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
   const bool fills_its_box_badly = dynamic_cast<const coal::ConvexBase*>(solid.geometry) != nullptr;
   const double size = solid.bounds.box_half.squaredNorm();  // hardly any larger box is beside the solid, not its box
   double best = infinity, limit = margin + tolerance;
+  known.clear();
   separation_queries = 0;
   const auto bound_to = [&](std::uint32_t node) { return squared_distance_bound(tree.nodes()[node], box); };
   open.assign(1, {bound_to(0), 0, 0});
@@ -407,8 +453,12 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
       continue;
     }
     for (std::size_t i = node.first; i < node.first + node.size; ++i) {
-      if (!tree.of_cubes() && box.beyond_plane(tree.triangles()[i], limit)) continue;
+      const auto gap_across = [&](const KnownDirections::Direction& direction) {
+        return direction.offset - reach_along(direction.in_b, tree, i);
+      };
+      if (known.separate(limit, gap_across)) continue;
       const double found = solid_to_primitive(solid, tree, i, to_tree, shape, std::min(margin, best));
+      if (by_gjk) remember_direction_from_solid(to_tree);
       if (found >= best) continue;
       if (by_gjk && found > contact_distance &&
           is_kept_separated(solid.pose, {}, {&tree, i, &other.pose}, stays_separated))
@@ -427,6 +477,7 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
   const Eigen::Isometry3d to_a = a.pose.inverse(Eigen::Isometry) * b.pose;
   PrimitiveShape shape_a(tree_a), shape_b(tree_b);
   double best = infinity, limit = margin + tolerance;
+  known.clear();
   separation_queries = 0;
   const auto entry = [&](std::uint32_t i, std::uint32_t j) {
     return Open{squared_distance_bound(tree_a.nodes()[i], transformed(to_a, tree_b.nodes()[j])), i, j};
@@ -449,12 +500,17 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
     }
     for (std::size_t i = node_a.first; i < node_a.first + node_a.size; ++i)
       for (std::size_t j = node_b.first; j < node_b.first + node_b.size; ++j) {
+        const auto gap_across = [&](const KnownDirections::Direction& direction) {
+          return direction.offset - reach_along(-direction.in_a, tree_a, i) - reach_along(direction.in_b, tree_b, j);
+        };
+        if (known.separate(limit, gap_across)) continue;
         const Eigen::Vector3d origin_a = shape_a.set(i), origin_b = shape_b.set(j);
         difference.set(shape_a.shape(), shape_b.shape(), coal::Transform3s(Eigen::Matrix3d::Identity(), origin_a),
                        coal::Transform3s(to_a.linear(), to_a * origin_b));
         const Eigen::Vector3d guess = node_a.center - to_a * node_b.center;
         const double found =
             run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), std::min(margin, best));
+        remember_direction(to_a);
         if (found >= best) continue;
         if (found > contact_distance &&
             is_kept_separated(a.pose, {&tree_a, i, &a.pose}, {&tree_b, j, &b.pose}, stays_separated))

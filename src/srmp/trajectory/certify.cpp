@@ -19,6 +19,7 @@ namespace srmp {
 namespace {
 
 constexpr double largest = 1e100;              // beyond it, squares overflow
+constexpr double moderate_number = 1e20;       // of moderate numbers, all coefficients are below that
 constexpr double rest_tolerance = 1e-6;        // [rad/s or m/s]
 constexpr double negligible_deviation = 1e-9;  // [m] of a row: it is on its segment
 
@@ -98,6 +99,13 @@ class FormatCheck {
 
   /// Where rows are too near in time, or too fast, the polynomials overflow and nothing can be verified.
   bool polynomials_are_finite() {
+    const auto moderate = [](const auto& numbers) {
+      return numbers.size() == 0 || numbers.cwiseAbs().maxCoeff() < moderate_number;
+    };
+    const auto durations = t_.times.tail(t_.times.size() - 1) - t_.times.head(t_.times.size() - 1);
+    if (moderate(t_.positions) && moderate(t_.velocities) && moderate(durations) &&
+        (durations.array() > 1.0 / moderate_number).all())
+      return true;  // coefficients are no larger than the fourth power of that
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row) {
       interruption_point();
       for (Eigen::Index j = 0; j < t_.positions.cols(); ++j) {
@@ -199,9 +207,11 @@ class Certifier {
 
   // --- deviation from the waypoints
 
+  using BernsteinPoints = std::array<Eigen::RowVectorXd, 4>;
+
   /// A bound on how far any point of the robot gets from the straight segment: the largest distance of the polynomial's
   /// Bernstein coefficients, which enclose the curve; or one of these that is at least `enough`.
-  double off_segment(const std::array<Eigen::RowVectorXd, 4>& points, Eigen::Index segment, double enough) {
+  double off_segment(const BernsteinPoints& points, Eigen::Index segment, double enough) {
     from_ = t_.waypoints.row(segment);
     to_ = t_.waypoints.row(segment + 1);
     double largest_off = 0.0;
@@ -232,6 +242,16 @@ class Certifier {
     return (point - from_ - along * (to_ - from_)).cwiseAbs().dot(reach_);
   }
 
+  /// Are all points proved to be within `limit` of the segment, by the nearest point of it in joint space?
+  bool is_within(double limit, const BernsteinPoints& points, Eigen::Index segment) const {
+    const auto from = t_.waypoints.row(segment), to = t_.waypoints.row(segment + 1);
+    const double squared_length = (to - from).squaredNorm();
+    return std::all_of(points.begin(), points.end(), [&](const Eigen::RowVectorXd& point) {
+      const double along = squared_length > 0.0 ? (point - from).dot(to - from) / squared_length : 0.0;
+      return (point - from - std::clamp(along, 0.0, 1.0) * (to - from)).cwiseAbs().dot(reach_) <= limit;
+    });
+  }
+
   void check_deviation() {
     if (t_.waypoints.rows() == 0 || t_.waypoints.cols() != t_.positions.cols()) return;
     reach_ = checker_.reach().transpose();
@@ -243,10 +263,11 @@ class Certifier {
     }
     const Eigen::Index segments = t_.waypoints.rows() - 1;
     Eigen::Index at = 0;  // the motion follows the segments in their order
-    std::array<Eigen::RowVectorXd, 4> points;
+    BernsteinPoints points;
     for (Eigen::Index row = 0; row + 1 < std::max<Eigen::Index>(t_.positions.rows(), 2); ++row) {
       interruption_point();
       bernstein(row, points);
+      if (is_within(result_.deviation, points, at)) continue;
       double smallest = off_segment(points, at, std::numeric_limits<double>::infinity());
       for (Eigen::Index next = at + 1; next < segments && smallest > negligible_deviation; ++next) {
         const double off = off_segment(points, next, smallest);
@@ -261,7 +282,7 @@ class Certifier {
     }
   }
 
-  void bernstein(Eigen::Index row, std::array<Eigen::RowVectorXd, 4>& points) const {
+  void bernstein(Eigen::Index row, BernsteinPoints& points) const {
     const Eigen::Index next = std::min(row + 1, t_.positions.rows() - 1);
     points[0] = t_.positions.row(row);
     points[3] = t_.positions.row(next);

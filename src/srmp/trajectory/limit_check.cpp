@@ -81,12 +81,16 @@ class LimitCheck {
     const double middle = (joint.lower + joint.upper) / 2.0;
     const double half = std::max((joint.upper - joint.lower) / 2.0, min_half_range);
     if (!std::isfinite(half)) return;
+    const auto may_be_worst = [&](double q) { return std::abs(q - middle) > below(worst, half); };
     const auto at = [&](double q, double time, Eigen::Index row) {
-      worst.update(std::abs(q - middle) / half, q, time, row);
+      if (may_be_worst(q)) worst.update(std::abs(q - middle) / half, q, time, row);
     };
     for (Eigen::Index row = 0; row < t_.positions.rows(); ++row) at(t_.positions(row, j), t_.times[row], row);
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows() && t_.velocities.rows() > 0; ++row) {
       const detail::Cubic& p = segment(row);
+      const double third = p.h / 3.0, end = p.position(p.h);
+      // The inner Bernstein coefficients and the rows bound it.
+      if (!may_be_worst(p.c[0] + third * p.c[1]) && !may_be_worst(end - third * p.velocity(p.h))) continue;
       for (const double u : p.position_extrema()) at(p.position(u), t_.times[row] + u, row);
     }
     note(result_.position, worst, joint.name);
@@ -97,23 +101,33 @@ class LimitCheck {
             worst.time);
   }
 
+  /// What is no more than this does not use a larger fraction of the limit: divisions are slow.
+  static double below(const Worst& worst, double limit) { return worst.fraction * limit * (1.0 - 1e-12); }
+
   /// Positions and times are rounded, so a difference of order k is known to about this over h^k.
   static double rounding_of(const detail::Cubic& p, double end) {
     return std::numeric_limits<double>::epsilon() * (1.0 + std::abs(p.c[0]) + std::abs(p.c[1]) * std::abs(end));
   }
-  static double acceleration_rounding_of(const detail::Cubic& p, double end) {
-    return 12 * rounding_of(p, end) / p.h / p.h;
+  /// Of the polynomial from the row to the next.
+  double acceleration_rounding_after(Eigen::Index row) const {
+    const detail::Cubic& p = segment(row);
+    return 12 * rounding_of(p, t_.times[row + 1]) / p.h / p.h;
   }
 
   void update_derivatives(Eigen::Index j, Eigen::Index row, Use& use) const {
     const detail::Cubic& p = segment(row);
     const double begin = t_.times[row], h = p.h, rounding = rounding_of(p, t_.times[row + 1]);
     const auto update = [&](Worst& worst, double value, double u, double limit, const auto& unknown) {
-      if (std::abs(value) <= worst.fraction * limit * (1.0 - 1e-12)) return;  // most values: divisions are slow
+      if (std::abs(value) <= below(worst, limit)) return;
       worst.update(std::max(0.0, std::abs(value) - unknown()) / limit, value, begin + u, row);
     };
-    for (const double u : {0.0, p.velocity_extremum(), h})
+    const auto velocity_at = [&](double u) {
       update(use.velocity, p.velocity(u), u, limits_.velocity[j], [&] { return 2 * rounding / h; });
+    };
+    velocity_at(0.0);
+    // The Bernstein coefficient between those of the ends bounds it.
+    if (std::abs(p.c[1] + h * p.c[2]) > below(use.velocity, limits_.velocity[j])) velocity_at(p.velocity_extremum());
+    velocity_at(h);
     if (t_.velocities.rows() == 0) return;  // straight segments: jumps of the velocity are no accelerations
     for (const double u : {0.0, h})
       update(use.acceleration, p.acceleration(u), u, limits_.acceleration[j], [&] { return 12 * rounding / h / h; });
@@ -133,14 +147,14 @@ class LimitCheck {
 
   /// What rows say need not be what the polynomials beside them do.
   void check_stated_accelerations(Eigen::Index j, Worst& worst) const {
-    double unknown_before = 0.0;
-    for (Eigen::Index row = 0; row < t_.accelerations.rows(); ++row) {
-      double unknown = unknown_before;
-      if (row + 1 < t_.accelerations.rows()) unknown = acceleration_rounding_of(segment(row), t_.times[row + 1]);
-      const double value = t_.accelerations(row, j);
-      const double rounding = std::max(unknown, unknown_before) + stated_tolerance * limits_.acceleration[j];
-      worst.update(std::max(0.0, std::abs(value) - rounding) / limits_.acceleration[j], value, t_.times[row], row);
-      unknown_before = unknown;
+    const Eigen::Index last = t_.accelerations.rows() - 1;
+    for (Eigen::Index row = 0; row <= last; ++row) {
+      const double value = t_.accelerations(row, j), limit = limits_.acceleration[j];
+      if (std::abs(value) <= below(worst, limit)) continue;
+      const double before = row > 0 ? acceleration_rounding_after(row - 1) : 0.0;
+      const double rounding = std::max(before, row < last ? acceleration_rounding_after(row) : 0.0);
+      worst.update(std::max(0.0, std::abs(value) - rounding - stated_tolerance * limit) / limit, value, t_.times[row],
+                   row);
     }
   }
 
@@ -152,18 +166,19 @@ class LimitCheck {
   /// robot is at rest before and after.
   void check_acceleration_jumps(Eigen::Index j, Worst& jerk) const {
     const Eigen::VectorXd* at_start = options_.start_acceleration;
-    double before = at_start && at_start->size() ? (*at_start)[j] : 0.0, unknown_before = 0.0;
+    double before = at_start && at_start->size() ? (*at_start)[j] : 0.0;
     const Eigen::Index last = t_.positions.rows() - 1;
+    const double allowed = allowed_jump(j);
+    const auto unknown_at = [&](Eigen::Index row) {
+      return acceleration_rounding_after(std::min(row, last - 1)) +
+             (row > 0 ? acceleration_rounding_after(row - 1) : 0.0);
+    };
     for (Eigen::Index row = 0; row <= last && last > 0; ++row) {
-      const detail::Cubic& p = segment(std::min(row, last - 1));
-      const double end = t_.times[std::min(row + 1, last)];
-      const double unknown = acceleration_rounding_of(p, end), after = row < last ? p.acceleration(0.0) : 0.0;
+      const double after = row < last ? segment(row).acceleration(0.0) : 0.0, jump = std::abs(after - before);
       const bool inside = row > 0 && row < last;
-      const double jump = std::max(0.0, std::abs(after - before) - unknown - unknown_before);
-      if ((inside || options_.at_rest) && jump > allowed_jump(j))
+      if ((inside || options_.at_rest) && jump > allowed && jump - unknown_at(row) > allowed)
         jerk.update(infinity, after - before, t_.times[row], row);
-      before = p.acceleration(p.h);
-      unknown_before = unknown;
+      if (row < last) before = segment(row).acceleration(segment(row).h);
     }
   }
 
