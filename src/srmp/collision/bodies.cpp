@@ -78,7 +78,10 @@ Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions
     first += group.instance(i).q.size();
   }
   group.forward(data_, q);
-  fixed.reserve(scene.objects().size() + 8);  // moving them costs more than making room
+  std::size_t links = 0;
+  for (std::size_t i = 0; i < group.size(); ++i) links += group.model(i).geometries().size();
+  moving.reserve(links + scene.attachments().size());  // moving bodies costs more than making room
+  fixed.reserve(scene.objects().size() + 8);
   for (std::size_t i = 0; i < group.size(); ++i) add_links(static_cast<int>(i));
   add_objects(scene);
   add_other_robots(scene);

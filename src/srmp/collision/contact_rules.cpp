@@ -5,7 +5,14 @@
 namespace srmp::detail {
 
 ContactRules::ContactRules(const Scene& scene, const RobotGroup& group, bool other_robots_only)
-    : scene_(scene), group_(group), other_robots_only_(other_robots_only), self_pairs_(group.size()) {}
+    : scene_(scene),
+      planned_(group.model(0)),
+      other_robots_only_(other_robots_only),
+      geometries_(planned_.geometries().size()),
+      self_pairs_(geometries_ * geometries_) {
+  for (const auto& [a, b] : planned_.self_pairs())
+    self_pairs_[a * geometries_ + b] = self_pairs_[b * geometries_ + a] = 1;
+}
 
 PairSide ContactRules::side(const Body& body) {
   const bool link = body.kind == BodyKind::link;
@@ -21,14 +28,10 @@ PairSide ContactRules::side(const Body& body) {
 }
 
 bool ContactRules::by_names(const PairSide& a, const PairSide& b, bool same_robot) {
-  const bool by_model = by_model_alone(a, b);
-  if (!by_model && allowed(a.name, b.name)) return false;
-  if (!same_robot) return true;
-  const auto robot = static_cast<std::size_t>(a.robot);
-  const RobotModel& model = group_.model(robot);
-  if (is_self_pair(model, robot, a.source, b.source)) return true;
+  if (allowed(a.name, b.name)) return false;
+  if (!same_robot || is_self_pair(a, b)) return true;
   // The model may leave out more than it allows; a pair that it allows gets here by the scene's own setting.
-  return !by_model && model.allowed(model.geometries()[a.source].link, model.geometries()[b.source].link);
+  return planned_.allowed(planned_.geometries()[a.source].link, planned_.geometries()[b.source].link);
 }
 
 /// Does a setting name the body or the robot that it is a link of?
@@ -38,16 +41,6 @@ bool ContactRules::has_setting(const std::string& name) const {
   };
   return std::any_of(scene_.allowed_settings().begin(), scene_.allowed_settings().end(),
                      [&](const auto& setting) { return names(setting.first.first) || names(setting.first.second); });
-}
-
-bool ContactRules::is_self_pair(const RobotModel& model, std::size_t robot, std::size_t a, std::size_t b) {
-  std::vector<char>& table = self_pairs_[robot];
-  const std::size_t count = model.geometries().size();
-  if (table.empty()) {
-    table.assign(count * count, false);
-    for (const auto& [i, j] : model.self_pairs()) table[i * count + j] = table[j * count + i] = true;
-  }
-  return table[a * count + b];
 }
 
 bool ContactRules::allowed(std::size_t a, std::size_t b) {

@@ -40,8 +40,8 @@ class ContactRules {
   bool count(const PairSide& a, const PairSide& b) {
     if (a.robot != 0 && b.robot != 0) return false;
     if (other_robots_only_ && (a.robot == b.robot || a.robot < 0 || b.robot < 0)) return false;
-    const bool same_robot = a.robot == b.robot && a.link && b.link;
-    if (!same_robot && by_model_alone(a, b)) return true;
+    const bool same_robot = a.robot == b.robot && a.link && b.link;  // the planned one
+    if (by_model_alone(a, b)) return !same_robot || is_self_pair(a, b);
     return by_names(a, b, same_robot);
   }
 
@@ -54,17 +54,20 @@ class ContactRules {
   }
   bool by_names(const PairSide& a, const PairSide& b, bool same_robot);
   bool has_setting(const std::string& name) const;
-  bool is_self_pair(const RobotModel& model, std::size_t robot, std::size_t a, std::size_t b);
+  bool is_self_pair(const PairSide& a, const PairSide& b) const {
+    return self_pairs_[a.source * geometries_ + b.source];
+  }
   bool allowed(std::size_t a, std::size_t b);
 
   const Scene& scene_;
-  const RobotGroup& group_;
+  const RobotModel& planned_;
   bool other_robots_only_;
   std::map<std::string_view, std::size_t> links_;  // several geometries share a link, and its name
   std::vector<const std::string*> names_;
-  std::vector<char> has_setting_;              // by number of the name
-  std::vector<char> allowed_;                  // [a * names + b]; empty until needed
-  std::vector<std::vector<char>> self_pairs_;  // of each robot [a * geometries + b]; empty until needed
+  std::vector<char> has_setting_;  // by number of the name
+  std::vector<char> allowed_;      // [a * names + b]; empty until needed
+  std::size_t geometries_;         // of the planned robot
+  std::vector<char> self_pairs_;   // its own [a * geometries + b]
 };
 
 }  // namespace srmp::detail
