@@ -354,6 +354,35 @@ BOOST_AUTO_TEST_CASE(nothing_is_allocated_once_the_workspace_is_warm) {
   BOOST_TEST(free > 0);
 }
 
+BOOST_AUTO_TEST_CASE(distances_of_meshes_and_large_hulls_allocate_nothing) {
+  const auto mesh = make_geometry(dented(), "mesh");
+  Mesh convex = dented();
+  convex.convex = true;
+  const auto hull = make_geometry(convex, "hull");
+  const detail::Bounds of_mesh = detail::bounds_of(*mesh), of_hull = detail::bounds_of(*hull);
+  const auto bvh = make_primitive_bvh(*mesh);
+  const detail::FormulaTable table;
+  detail::NarrowPhase narrow(table);
+  int near = 0;
+  const auto measure_all = [&] {
+    for (int i = 0; i < 50; ++i) {
+      const Eigen::Isometry3d here = Eigen::Isometry3d::Identity(),
+                              there = at(0.2, 0.004 * i, 0.02, 0.1 * i).isometry();
+      const Eigen::Vector3d center = here * of_mesh.center, center_of_other = there * of_hull.center;
+      const detail::Placed a{mesh.get(), bvh.get(), of_mesh, here, center};
+      const detail::Placed other_mesh{mesh.get(), bvh.get(), of_mesh, there, center_of_other};
+      const detail::Placed other_hull{hull.get(), nullptr, of_hull, there, center_of_other};
+      for (const detail::Placed& b : {other_mesh, other_hull}) near += narrow.primitives(a, b, 0.1, 0.0) < 0.1;
+    }
+  };
+  measure_all();
+  const long before = allocations;
+  measure_all();
+  const long after = allocations;
+  BOOST_TEST(after - before == 0);
+  BOOST_TEST(near > 100);
+}
+
 BOOST_AUTO_TEST_CASE(the_workspace_counts) {
   Scene scene;
   scene.add_robot(robots::planar());

@@ -65,32 +65,15 @@ Pose somewhere(Dice& dice) {
             dice.in(-3, 3));
 }
 
-/// A closed surface with dents, of some hundreds of triangles: many are near whatever is beside it.
-Mesh dented() {
-  constexpr int rings = 14, sectors = 20;
-  Mesh mesh;
-  for (int i = 0; i <= rings; ++i)
-    for (int j = 0; j < sectors; ++j) {
-      const double polar = M_PI * i / rings, around = 2 * M_PI * j / sectors;
-      const double radius = 0.1 + 0.02 * std::sin(4 * polar) * std::cos(3 * around);
-      mesh.vertices.emplace_back(radius * std::sin(polar) * std::cos(around),
-                                 radius * std::sin(polar) * std::sin(around), radius * std::cos(polar));
-    }
-  for (int i = 0; i < rings; ++i)
-    for (int j = 0; j < sectors; ++j) {
-      const int here = i * sectors + j, next = i * sectors + (j + 1) % sectors;
-      mesh.triangles.push_back({here, here + sectors, next});
-      mesh.triangles.push_back({next, here + sectors, next + sectors});
-    }
-  return mesh;
-}
-
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(margins_hold_where_many_primitives_are_near) {
   std::vector<NamedShape> all = bodies();
+  Mesh hull = dented();
+  hull.convex = true;
   const NamedShape mesh = body_of("dented", make_geometry(dented(), "dented"));
   all.push_back(mesh);
+  all.push_back(body_of("large hull", make_geometry(hull, "large hull")));
   Dice dice(7);
   int beside = 0;
   for (const NamedShape& other : all) {

@@ -84,6 +84,26 @@ inline Mesh angle_iron() {
   return mesh;
 }
 
+/// A closed surface with dents, of some hundreds of triangles: many are near whatever is beside it.
+inline Mesh dented() {
+  constexpr int rings = 14, sectors = 20;
+  Mesh mesh;
+  for (int i = 0; i <= rings; ++i)
+    for (int j = 0; j < sectors; ++j) {
+      const double polar = M_PI * i / rings, around = 2 * M_PI * j / sectors;
+      const double radius = 0.1 + 0.02 * std::sin(4 * polar) * std::cos(3 * around);
+      mesh.vertices.emplace_back(radius * std::sin(polar) * std::cos(around),
+                                 radius * std::sin(polar) * std::sin(around), radius * std::cos(polar));
+    }
+  for (int i = 0; i < rings; ++i)
+    for (int j = 0; j < sectors; ++j) {
+      const int here = i * sectors + j, next = i * sectors + (j + 1) % sectors;
+      mesh.triangles.push_back({here, here + sectors, next});
+      mesh.triangles.push_back({next, here + sectors, next + sectors});
+    }
+  return mesh;
+}
+
 inline PointCloud sphere_cloud() {
   PointCloud cloud{{}, 0.02};
   for (int i = 0; i < 200; ++i) {

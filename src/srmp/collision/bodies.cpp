@@ -78,9 +78,9 @@ Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions
     first += group.instance(i).q.size();
   }
   group.forward(data_, q);
-  std::size_t links = 0;
-  for (std::size_t i = 0; i < group.size(); ++i) links += group.model(i).geometries().size();
-  moving.reserve(links + scene.attachments().size());  // moving bodies costs more than making room
+  std::size_t geometries = 0;
+  for (std::size_t i = 0; i < group.size(); ++i) geometries += group.model(i).geometries().size();
+  moving.reserve(geometries + scene.attachments().size());  // reallocation costs more than making room
   fixed.reserve(scene.objects().size() + 8);
   for (std::size_t i = 0; i < group.size(); ++i) add_links(static_cast<int>(i));
   add_objects(scene);

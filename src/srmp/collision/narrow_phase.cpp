@@ -148,34 +148,34 @@ Eigen::Vector3d middle_of(const PrimitiveBvh& tree, std::size_t primitive) {
   return (t[0] + t[1] + t[2]) / 3;
 }
 
-/// How far a primitive reaches along a direction.
-double reach_along(const Eigen::Vector3d& direction, const PrimitiveBvh& tree, std::size_t primitive) {
+/// The largest product of a point of the primitive with the direction.
+double support_along(const Eigen::Vector3d& direction, const PrimitiveBvh& tree, std::size_t primitive) {
   if (tree.of_cubes()) return direction.dot(tree.cubes()[primitive]) + tree.edge() / 2 * direction.lpNorm<1>();
   const PrimitiveBvh::Triangle& t = tree.triangles()[primitive];
   return std::max({direction.dot(t[0]), direction.dot(t[1]), direction.dot(t[2])});
 }
 
-/// Directions across which GJK has found primitives apart. Neighbours of those are often apart across the same one, as
-/// two projections show.
-class KnownDirections {
+/// The axes that separated primitives in the last runs of GJK. Neighbours of these primitives are often separated by
+/// one of them too, which two projections show.
+class SeparatingAxes {
  public:
-  struct Direction {
+  struct Axis {
     Eigen::Vector3d in_a, in_b;  // the unit vector from b to a, in the frame of each
-    double offset;               // what the gap is more than the projections say
+    double offset;               // the distance along the axis of what is projected, where both projections are 0
   };
 
   void clear() { count_ = 0; }
   /// In place of the oldest one.
-  void add(const Direction& direction) { directions_[count_++ % directions_.size()] = direction; }
-  /// Is the gap across one of them more than `limit`?
-  template <class GapAcross>
-  bool separate(double limit, GapAcross&& gap_across) const {
-    const auto end = directions_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, directions_.size()));
-    return std::any_of(directions_.begin(), end, [&](const Direction& known) { return gap_across(known) > limit; });
+  void add(const Axis& axis) { axes_[count_++ % axes_.size()] = axis; }
+  /// Is the distance along one of them, by this function of an axis, more than `limit`?
+  template <class Distance>
+  bool separate(double limit, Distance&& distance_along) const {
+    const auto end = axes_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, axes_.size()));
+    return std::any_of(axes_.begin(), end, [&](const Axis& axis) { return distance_along(axis) > limit; });
   }
 
  private:
-  std::array<Direction, 3> directions_;
+  std::array<Axis, 3> axes_;
   std::size_t count_{};
 };
 
@@ -247,7 +247,7 @@ struct NarrowPhase::Impl {
     std::uint32_t a, b;
   };
   std::vector<Open> open;
-  KnownDirections known;     // in this query
+  SeparatingAxes axes;       // in this query
   int separation_queries{};  // in this query
   coal::Box box{1, 1, 1};
   std::function<void()> poll = [] {};
@@ -259,8 +259,8 @@ struct NarrowPhase::Impl {
   double run_gjk(const Eigen::Vector3d& guess, double margin,
                  const coal::support_func_guess_t& hint = coal::support_func_guess_t::Zero());
   double gap_across(const Eigen::Vector3d& direction) const;
-  void remember_direction_from_solid(const Eigen::Isometry3d& to_tree);
-  void remember_direction(const Eigen::Isometry3d& to_a);
+  void add_axis_of_solid(const Eigen::Isometry3d& to_tree);
+  void add_axis(const Eigen::Isometry3d& to_a);
   double by_formula(int formula, const Placed& a, const Placed& b, double margin);
   double solid_to_primitive(const Placed& solid, const PrimitiveBvh& tree, std::size_t primitive,
                             const Eigen::Isometry3d& to_tree, PrimitiveShape& shape, double margin);
@@ -340,22 +340,23 @@ double NarrowPhase::Impl::gap_across(const Eigen::Vector3d& direction) const {
   return std::max(0.0, direction.dot(a - b) / length - difference.swept_sphere_radius.sum());
 }
 
-/// Remembers across which direction GJK found the solid and a primitive of the tree apart.
-void NarrowPhase::Impl::remember_direction_from_solid(const Eigen::Isometry3d& to_tree) {
+/// Keeps the axis that separates the primitives of a and b that GJK ran for last. `to_a`: from the frame of b.
+void NarrowPhase::Impl::add_axis(const Eigen::Isometry3d& to_a) {
   const double length = gjk.ray.norm();
   if (!(length > contact_distance)) return;
-  const Eigen::Vector3d direction = gjk.ray / length, in_tree = to_tree.linear() * direction;
-  int vertex = gjk.support_hint[0];
-  const double nearest = direction.dot(difference.support0(-direction, vertex)) - difference.swept_sphere_radius[0];
-  known.add({direction, in_tree, nearest + in_tree.dot(to_tree.translation())});
+  const Eigen::Vector3d axis = gjk.ray / length;
+  axes.add({axis, to_a.linear().transpose() * axis, -axis.dot(to_a.translation())});
 }
 
-/// The same for a primitive of a and one of b. `to_a`: from the frame of b.
-void NarrowPhase::Impl::remember_direction(const Eigen::Isometry3d& to_a) {
+/// The same of the solid and a primitive. The solid's projection is part of the offset.
+void NarrowPhase::Impl::add_axis_of_solid(const Eigen::Isometry3d& to_tree) {
   const double length = gjk.ray.norm();
   if (!(length > contact_distance)) return;
-  const Eigen::Vector3d direction = gjk.ray / length;
-  known.add({direction, to_a.linear().transpose() * direction, -direction.dot(to_a.translation())});
+  const Eigen::Vector3d axis = gjk.ray / length, in_tree = to_tree.linear() * axis;
+  coal::support_func_guess_t vertices = gjk.support_hint;
+  Eigen::Vector3d nearest, of_primitive;
+  difference.support(-axis, nearest, of_primitive, vertices);
+  axes.add({axis, in_tree, axis.dot(nearest) - difference.swept_sphere_radius[0] + in_tree.dot(to_tree.translation())});
 }
 
 double NarrowPhase::Impl::by_formula(int formula, const Placed& a, const Placed& b, double margin) {
@@ -435,7 +436,7 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
   const bool fills_its_box_badly = dynamic_cast<const coal::ConvexBase*>(solid.geometry) != nullptr;
   const double size = solid.bounds.box_half.squaredNorm();  // hardly any larger box is beside the solid, not its box
   double best = infinity, limit = margin + tolerance;
-  known.clear();
+  axes.clear();
   separation_queries = 0;
   const auto bound_to = [&](std::uint32_t node) { return squared_distance_bound(tree.nodes()[node], box); };
   open.assign(1, {bound_to(0), 0, 0});
@@ -453,12 +454,12 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
       continue;
     }
     for (std::size_t i = node.first; i < node.first + node.size; ++i) {
-      const auto gap_across = [&](const KnownDirections::Direction& direction) {
-        return direction.offset - reach_along(direction.in_b, tree, i);
+      const auto distance_along = [&](const SeparatingAxes::Axis& axis) {
+        return axis.offset - support_along(axis.in_b, tree, i);
       };
-      if (known.separate(limit, gap_across)) continue;
+      if (axes.separate(limit, distance_along)) continue;
       const double found = solid_to_primitive(solid, tree, i, to_tree, shape, std::min(margin, best));
-      if (by_gjk) remember_direction_from_solid(to_tree);
+      if (by_gjk) add_axis_of_solid(to_tree);
       if (found >= best) continue;
       if (by_gjk && found > contact_distance &&
           is_kept_separated(solid.pose, {}, {&tree, i, &other.pose}, stays_separated))
@@ -477,7 +478,7 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
   const Eigen::Isometry3d to_a = a.pose.inverse(Eigen::Isometry) * b.pose;
   PrimitiveShape shape_a(tree_a), shape_b(tree_b);
   double best = infinity, limit = margin + tolerance;
-  known.clear();
+  axes.clear();
   separation_queries = 0;
   const auto entry = [&](std::uint32_t i, std::uint32_t j) {
     return Open{squared_distance_bound(tree_a.nodes()[i], transformed(to_a, tree_b.nodes()[j])), i, j};
@@ -500,17 +501,17 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
     }
     for (std::size_t i = node_a.first; i < node_a.first + node_a.size; ++i)
       for (std::size_t j = node_b.first; j < node_b.first + node_b.size; ++j) {
-        const auto gap_across = [&](const KnownDirections::Direction& direction) {
-          return direction.offset - reach_along(-direction.in_a, tree_a, i) - reach_along(direction.in_b, tree_b, j);
+        const auto distance_along = [&](const SeparatingAxes::Axis& axis) {
+          return axis.offset - support_along(-axis.in_a, tree_a, i) - support_along(axis.in_b, tree_b, j);
         };
-        if (known.separate(limit, gap_across)) continue;
+        if (axes.separate(limit, distance_along)) continue;
         const Eigen::Vector3d origin_a = shape_a.set(i), origin_b = shape_b.set(j);
         difference.set(shape_a.shape(), shape_b.shape(), coal::Transform3s(Eigen::Matrix3d::Identity(), origin_a),
                        coal::Transform3s(to_a.linear(), to_a * origin_b));
         const Eigen::Vector3d guess = node_a.center - to_a * node_b.center;
         const double found =
             run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), std::min(margin, best));
-        remember_direction(to_a);
+        add_axis(to_a);
         if (found >= best) continue;
         if (found > contact_distance &&
             is_kept_separated(a.pose, {&tree_a, i, &a.pose}, {&tree_b, j, &b.pose}, stays_separated))

@@ -19,7 +19,7 @@ namespace srmp {
 namespace {
 
 constexpr double largest = 1e100;              // beyond it, squares overflow
-constexpr double moderate_number = 1e20;       // of moderate numbers, all coefficients are below that
+constexpr double moderate_number = 1e20;       // of rows of such numbers, all coefficients are below `largest`
 constexpr double rest_tolerance = 1e-6;        // [rad/s or m/s]
 constexpr double negligible_deviation = 1e-9;  // [m] of a row: it is on its segment
 
@@ -105,7 +105,7 @@ class FormatCheck {
     const auto durations = t_.times.tail(t_.times.size() - 1) - t_.times.head(t_.times.size() - 1);
     if (moderate(t_.positions) && moderate(t_.velocities) && moderate(durations) &&
         (durations.array() > 1.0 / moderate_number).all())
-      return true;  // coefficients are no larger than the fourth power of that
+      return true;  // their coefficients are no larger than 6 times its fourth power
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row) {
       interruption_point();
       for (Eigen::Index j = 0; j < t_.positions.cols(); ++j) {
@@ -242,16 +242,6 @@ class Certifier {
     return (point - from_ - along * (to_ - from_)).cwiseAbs().dot(reach_);
   }
 
-  /// Are all points proved to be within `limit` of the segment, by the nearest point of it in joint space?
-  bool is_within(double limit, const BernsteinPoints& points, Eigen::Index segment) const {
-    const auto from = t_.waypoints.row(segment), to = t_.waypoints.row(segment + 1);
-    const double squared_length = (to - from).squaredNorm();
-    return std::all_of(points.begin(), points.end(), [&](const Eigen::RowVectorXd& point) {
-      const double along = squared_length > 0.0 ? (point - from).dot(to - from) / squared_length : 0.0;
-      return (point - from - std::clamp(along, 0.0, 1.0) * (to - from)).cwiseAbs().dot(reach_) <= limit;
-    });
-  }
-
   void check_deviation() {
     if (t_.waypoints.rows() == 0 || t_.waypoints.cols() != t_.positions.cols()) return;
     reach_ = checker_.reach().transpose();
@@ -267,7 +257,6 @@ class Certifier {
     for (Eigen::Index row = 0; row + 1 < std::max<Eigen::Index>(t_.positions.rows(), 2); ++row) {
       interruption_point();
       bernstein(row, points);
-      if (is_within(result_.deviation, points, at)) continue;
       double smallest = off_segment(points, at, std::numeric_limits<double>::infinity());
       for (Eigen::Index next = at + 1; next < segments && smallest > negligible_deviation; ++next) {
         const double off = off_segment(points, next, smallest);

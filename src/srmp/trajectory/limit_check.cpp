@@ -81,7 +81,7 @@ class LimitCheck {
     const double middle = (joint.lower + joint.upper) / 2.0;
     const double half = std::max((joint.upper - joint.lower) / 2.0, min_half_range);
     if (!std::isfinite(half)) return;
-    const auto may_be_worst = [&](double q) { return std::abs(q - middle) > below(worst, half); };
+    const auto may_be_worst = [&](double q) { return std::abs(q - middle) > max_not_worse(worst, half); };
     const auto at = [&](double q, double time, Eigen::Index row) {
       if (may_be_worst(q)) worst.update(std::abs(q - middle) / half, q, time, row);
     };
@@ -89,7 +89,7 @@ class LimitCheck {
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows() && t_.velocities.rows() > 0; ++row) {
       const detail::Cubic& p = segment(row);
       const double third = p.h / 3.0, end = p.position(p.h);
-      // The inner Bernstein coefficients and the rows bound it.
+      // The inner Bernstein coefficients and the rows bound the position.
       if (!may_be_worst(p.c[0] + third * p.c[1]) && !may_be_worst(end - third * p.velocity(p.h))) continue;
       for (const double u : p.position_extrema()) at(p.position(u), t_.times[row] + u, row);
     }
@@ -102,7 +102,7 @@ class LimitCheck {
   }
 
   /// What is no more than this does not use a larger fraction of the limit: divisions are slow.
-  static double below(const Worst& worst, double limit) { return worst.fraction * limit * (1.0 - 1e-12); }
+  static double max_not_worse(const Worst& worst, double limit) { return worst.fraction * limit * (1.0 - 1e-12); }
 
   /// Positions and times are rounded, so a difference of order k is known to about this over h^k.
   static double rounding_of(const detail::Cubic& p, double end) {
@@ -118,15 +118,16 @@ class LimitCheck {
     const detail::Cubic& p = segment(row);
     const double begin = t_.times[row], h = p.h, rounding = rounding_of(p, t_.times[row + 1]);
     const auto update = [&](Worst& worst, double value, double u, double limit, const auto& unknown) {
-      if (std::abs(value) <= below(worst, limit)) return;
+      if (std::abs(value) <= max_not_worse(worst, limit)) return;
       worst.update(std::max(0.0, std::abs(value) - unknown()) / limit, value, begin + u, row);
     };
     const auto velocity_at = [&](double u) {
       update(use.velocity, p.velocity(u), u, limits_.velocity[j], [&] { return 2 * rounding / h; });
     };
     velocity_at(0.0);
-    // The Bernstein coefficient between those of the ends bounds it.
-    if (std::abs(p.c[1] + h * p.c[2]) > below(use.velocity, limits_.velocity[j])) velocity_at(p.velocity_extremum());
+    // The Bernstein coefficient between those of the ends bounds the velocity there.
+    if (std::abs(p.c[1] + h * p.c[2]) > max_not_worse(use.velocity, limits_.velocity[j]))
+      velocity_at(p.velocity_extremum());
     velocity_at(h);
     if (t_.velocities.rows() == 0) return;  // straight segments: jumps of the velocity are no accelerations
     for (const double u : {0.0, h})
@@ -150,7 +151,7 @@ class LimitCheck {
     const Eigen::Index last = t_.accelerations.rows() - 1;
     for (Eigen::Index row = 0; row <= last; ++row) {
       const double value = t_.accelerations(row, j), limit = limits_.acceleration[j];
-      if (std::abs(value) <= below(worst, limit)) continue;
+      if (std::abs(value) <= max_not_worse(worst, limit)) continue;
       const double before = row > 0 ? acceleration_rounding_after(row - 1) : 0.0;
       const double rounding = std::max(before, row < last ? acceleration_rounding_after(row) : 0.0);
       worst.update(std::max(0.0, std::abs(value) - rounding - stated_tolerance * limit) / limit, value, t_.times[row],

@@ -277,10 +277,10 @@ class PlacesSearch {
   bool is_place_free(std::size_t i, const State& places) {
     for (std::size_t k = 0; k < robots_.size(); ++k) {
       if (!may_conflict(i, k)) continue;
-      const auto [known, added] = places_free_.try_emplace({i, k, places[i], places[k]}, false);
+      const auto [entry, added] = places_free_.try_emplace({i, k, places[i], places[k]}, false);
       const Eigen::VectorXd &q = place(i, places[i]), &other = place(k, places[k]);
-      if (added) known->second = world_.are_collision_free(robots_[i], q, q, robots_[k], other, other);
-      if (!known->second) return false;
+      if (added) entry->second = world_.are_collision_free(robots_[i], q, q, robots_[k], other, other);
+      if (!entry->second) return false;
     }
     return true;
   }
@@ -297,15 +297,15 @@ class PlacesSearch {
     return found;
   }
   bool is_direct_free(std::size_t i, signed char from, signed char to, std::size_t k, signed char other) {
-    const auto [known, added] = direct_free_.try_emplace({i, k, from, to, other}, true);
-    if (!added) return known->second;
+    const auto [entry, added] = direct_free_.try_emplace({i, k, from, to, other}, true);
+    if (!added) return entry->second;
     const Path direct = from == at_start && to == at_goal ? unstack_waypoints(motions_[i].positions.front())
                                                           : Path{place(i, from), place(i, to)};
     const Eigen::VectorXd& q = place(k, other);
-    for (std::size_t row = 1; row < direct.size() && known->second; ++row)
-      known->second = world_.are_collision_free(robots_[i], direct[row - 1], direct[row], robots_[k], q, q,
+    for (std::size_t row = 1; row < direct.size() && entry->second; ++row)
+      entry->second = world_.are_collision_free(robots_[i], direct[row - 1], direct[row], robots_[k], q, q,
                                                 {.start_is_free = true});
-    return known->second;
+    return entry->second;
   }
 
   /// Of the robots whose places differ. One that was not found past some robots is not searched for past these again,
@@ -316,8 +316,8 @@ class PlacesSearch {
       if (from[i] != to[i] && as_known(i)) moves = as_known(i);
     if (moves && is_free_of_others(*moves, to)) return moves->motion;
     if (moves && !stage_.by_trees) return not_found;
-    const auto [known, added] = found_.try_emplace({from, to}, not_found);
-    if (!added) return known->second;
+    const auto [entry, added] = found_.try_emplace({from, to}, not_found);
+    if (!added) return entry->second;
     State failure = blockers(from, to);
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       failure.push_back(from[i] == to[i] ? no_place : from[i]);
@@ -325,12 +325,12 @@ class PlacesSearch {
     }
     if (failed_.contains(failure)) return not_found;
     if (std::optional<JointPath> motion = search_motion(from, to, moves ? &motions_[moves->motion] : nullptr)) {
-      known->second = motions_.size();
+      entry->second = motions_.size();
       motions_.push_back(std::move(*motion));
     } else {
       failed_.insert(std::move(failure));
     }
-    return known->second;
+    return entry->second;
   }
 
   bool is_free_of_others(const Known& known, const State& places) {
