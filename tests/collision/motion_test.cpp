@@ -333,6 +333,15 @@ BOOST_AUTO_TEST_CASE(two_threads_share_a_checker) {
   BOOST_TEST(second == alone);
 }
 
+/// Does the work twice.
+template <class Work>
+long allocations_of_second(const Work& work) {
+  work();
+  const long before = allocations;
+  work();
+  return allocations - before;
+}
+
 BOOST_AUTO_TEST_CASE(nothing_is_allocated_once_the_workspace_is_warm) {
   const auto robot = arm7();
   const Scene scene = crowd(robot, 41, 2, "arm7_hand");
@@ -346,19 +355,13 @@ BOOST_AUTO_TEST_CASE(nothing_is_allocated_once_the_workspace_is_warm) {
     for (const Motion& m : motions)
       free += checker.is_free(m.a, *workspace) + checker.is_motion_free(m.a, m.b, *workspace);
   };
-  check_all();
-  const long before = allocations;
-  check_all();
-  const long after = allocations;
-  BOOST_TEST(after - before == 0);
+  BOOST_TEST(allocations_of_second(check_all) == 0);
   BOOST_TEST(free > 0);
 }
 
 BOOST_AUTO_TEST_CASE(distances_of_meshes_and_large_hulls_allocate_nothing) {
   const auto mesh = make_geometry(dented(), "mesh");
-  Mesh convex = dented();
-  convex.convex = true;
-  const auto hull = make_geometry(convex, "hull");
+  const auto hull = make_geometry(hull_of(dented()), "hull");
   const detail::Bounds of_mesh = detail::bounds_of(*mesh), of_hull = detail::bounds_of(*hull);
   const auto bvh = make_primitive_bvh(*mesh);
   const detail::FormulaTable table;
@@ -375,11 +378,7 @@ BOOST_AUTO_TEST_CASE(distances_of_meshes_and_large_hulls_allocate_nothing) {
       for (const detail::Placed& b : {other_mesh, other_hull}) near += narrow.primitives(a, b, 0.1, 0.0) < 0.1;
     }
   };
-  measure_all();
-  const long before = allocations;
-  measure_all();
-  const long after = allocations;
-  BOOST_TEST(after - before == 0);
+  BOOST_TEST(allocations_of_second(measure_all) == 0);
   BOOST_TEST(near > 100);
 }
 

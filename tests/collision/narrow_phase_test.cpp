@@ -65,30 +65,35 @@ Pose somewhere(Dice& dice) {
             dice.in(-3, 3));
 }
 
+/// Beside each other at random, unless they touch. Returns how often they do not.
+int check_margins(const NamedShape& a, const NamedShape& b, int places, Dice& dice) {
+  Narrow narrow(a, b);
+  int beside = 0;
+  for (int i = 0; i < places; ++i) {
+    const Place place_a(a, somewhere(dice)), place_b(b, somewhere(dice));
+    const double distance = NarrowPhase::distance(place_a.placed(), place_b.placed()).distance;
+    if (distance <= 1e-5) continue;
+    ++beside;
+    for (double off : {1e-5, 1e-3, 0.02, 0.05, 0.3})
+      BOOST_TEST(std::abs(narrow.distance(place_a, place_b, distance + off) - distance) < NarrowPhase::tolerance,
+                 a.name << ' ' << b.name);
+    const double below = distance - NarrowPhase::tolerance;
+    BOOST_TEST(narrow.distance(place_a, place_b, below) == infinity, a.name << ' ' << b.name);
+    BOOST_TEST(narrow.distance(place_a, place_b, 0.5 * below) == infinity, a.name << ' ' << b.name);
+  }
+  return beside;
+}
+
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(margins_hold_where_many_primitives_are_near) {
   std::vector<NamedShape> all = bodies();
-  Mesh hull = dented();
-  hull.convex = true;
   const NamedShape mesh = body_of("dented", make_geometry(dented(), "dented"));
   all.push_back(mesh);
-  all.push_back(body_of("large hull", make_geometry(hull, "large hull")));
+  all.push_back(body_of("large hull", make_geometry(hull_of(dented()), "large hull")));
   Dice dice(7);
   int beside = 0;
-  for (const NamedShape& other : all) {
-    Narrow narrow(mesh, other);
-    for (int i = 0; i < 100; ++i) {
-      const Place place(mesh, somewhere(dice)), place_of_other(other, somewhere(dice));
-      const double distance = NarrowPhase::distance(place.placed(), place_of_other.placed()).distance;
-      if (distance <= 1e-5) continue;
-      ++beside;
-      for (double off : {1e-5, 1e-3, 0.02, 0.3})
-        BOOST_TEST(std::abs(narrow.distance(place, place_of_other, distance + off) - distance) < NarrowPhase::tolerance,
-                   other.name);
-      BOOST_TEST(narrow.distance(place, place_of_other, distance - NarrowPhase::tolerance) == infinity, other.name);
-    }
-  }
+  for (const NamedShape& other : all) beside += check_margins(mesh, other, 100, dice);
   BOOST_TEST(beside > 300);
 }
 
@@ -96,20 +101,7 @@ BOOST_AUTO_TEST_CASE(margins_hold_for_every_pair_of_kinds) {
   const std::vector<NamedShape> all = bodies();
   Dice dice(1);
   for (const NamedShape& a : all)
-    for (const NamedShape& b : all) {
-      Narrow narrow(a, b);
-      for (int i = 0; i < 40; ++i) {
-        const Place place_a(a, somewhere(dice)), place_b(b, somewhere(dice));
-        const double distance = NarrowPhase::distance(place_a.placed(), place_b.placed()).distance;
-        if (distance <= 1e-5) continue;
-        for (double off : {1e-5, 1e-3, 0.05})
-          BOOST_TEST(std::abs(narrow.distance(place_a, place_b, distance + off) - distance) < NarrowPhase::tolerance,
-                     a.name << ' ' << b.name);
-        const double below = distance - NarrowPhase::tolerance;
-        BOOST_TEST(narrow.distance(place_a, place_b, below) == infinity, a.name << ' ' << b.name);
-        BOOST_TEST(narrow.distance(place_a, place_b, 0.5 * below) == infinity, a.name << ' ' << b.name);
-      }
-    }
+    for (const NamedShape& b : all) check_margins(a, b, 40, dice);
 }
 
 BOOST_AUTO_TEST_CASE(what_overlaps_is_within_any_margin) {

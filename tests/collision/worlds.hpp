@@ -104,6 +104,11 @@ inline Mesh dented() {
   return mesh;
 }
 
+inline Mesh hull_of(Mesh mesh) {
+  mesh.convex = true;
+  return mesh;
+}
+
 inline PointCloud sphere_cloud() {
   PointCloud cloud{{}, 0.02};
   for (int i = 0; i < 200; ++i) {
@@ -115,16 +120,9 @@ inline PointCloud sphere_cloud() {
 
 /// One shape of every kind, about 0.1 to 0.2 m large.
 inline std::vector<std::pair<std::string, Shape>> every_kind() {
-  Mesh hull = angle_iron();
-  hull.convex = true;
-  return {{"box", Box{{0.2, 0.15, 0.1}}},
-          {"sphere", Sphere{0.1}},
-          {"cylinder", Cylinder{0.06, 0.2}},
-          {"capsule", Capsule{0.05, 0.15}},
-          {"cone", Cone{0.08, 0.2}},
-          {"mesh", angle_iron()},
-          {"hull", hull},
-          {"cloud", sphere_cloud()}};
+  return {{"box", Box{{0.2, 0.15, 0.1}}},   {"sphere", Sphere{0.1}},   {"cylinder", Cylinder{0.06, 0.2}},
+          {"capsule", Capsule{0.05, 0.15}}, {"cone", Cone{0.08, 0.2}}, {"mesh", angle_iron()},
+          {"hull", hull_of(angle_iron())},  {"cloud", sphere_cloud()}};
 }
 
 /// Repeatable numbers without <random>'s distributions, which differ between standard libraries.

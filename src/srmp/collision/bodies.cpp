@@ -78,10 +78,7 @@ Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions
     first += group.instance(i).q.size();
   }
   group.forward(data_, q);
-  std::size_t geometries = 0;
-  for (std::size_t i = 0; i < group.size(); ++i) geometries += group.model(i).geometries().size();
-  moving.reserve(geometries + scene.attachments().size());  // reallocation costs more than making room
-  fixed.reserve(scene.objects().size() + 8);
+  fixed.reserve(scene.objects().size() + 8);  // moving them costs more than making room
   for (std::size_t i = 0; i < group.size(); ++i) add_links(static_cast<int>(i));
   add_objects(scene);
   add_other_robots(scene);

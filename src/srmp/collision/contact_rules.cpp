@@ -8,11 +8,7 @@ ContactRules::ContactRules(const Scene& scene, const RobotGroup& group, bool oth
     : scene_(scene),
       planned_(group.model(0)),
       other_robots_only_(other_robots_only),
-      geometries_(planned_.geometries().size()),
-      self_pairs_(geometries_ * geometries_) {
-  for (const auto& [a, b] : planned_.self_pairs())
-    self_pairs_[a * geometries_ + b] = self_pairs_[b * geometries_ + a] = 1;
-}
+      geometries_(planned_.geometries().size()) {}
 
 PairSide ContactRules::side(const Body& body) {
   const bool link = body.kind == BodyKind::link;
@@ -41,6 +37,12 @@ bool ContactRules::has_setting(const std::string& name) const {
   };
   return std::any_of(scene_.allowed_settings().begin(), scene_.allowed_settings().end(),
                      [&](const auto& setting) { return names(setting.first.first) || names(setting.first.second); });
+}
+
+void ContactRules::find_self_pairs() {
+  self_pairs_.resize(geometries_ * geometries_);
+  for (const auto& [a, b] : planned_.self_pairs())
+    self_pairs_[a * geometries_ + b] = self_pairs_[b * geometries_ + a] = 1;
 }
 
 bool ContactRules::allowed(std::size_t a, std::size_t b) {

@@ -54,9 +54,11 @@ class ContactRules {
   }
   bool by_names(const PairSide& a, const PairSide& b, bool same_robot);
   bool has_setting(const std::string& name) const;
-  bool is_self_pair(const PairSide& a, const PairSide& b) const {
+  bool is_self_pair(const PairSide& a, const PairSide& b) {
+    if (self_pairs_.empty()) find_self_pairs();
     return self_pairs_[a.source * geometries_ + b.source];
   }
+  void find_self_pairs();
   bool allowed(std::size_t a, std::size_t b);
 
   const Scene& scene_;
@@ -67,7 +69,7 @@ class ContactRules {
   std::vector<char> has_setting_;  // by number of the name
   std::vector<char> allowed_;      // [a * names + b]; empty until needed
   std::size_t geometries_;         // of the planned robot
-  std::vector<char> self_pairs_;   // its own [a * geometries + b]
+  std::vector<char> self_pairs_;   // its own [a * geometries + b]; empty until needed
 };
 
 }  // namespace srmp::detail

@@ -12,6 +12,7 @@
 #include <array>
 #include <functional>
 #include <limits>
+#include <optional>
 
 namespace srmp::detail {
 
@@ -259,6 +260,7 @@ struct NarrowPhase::Impl {
   double run_gjk(const Eigen::Vector3d& guess, double margin,
                  const coal::support_func_guess_t& hint = coal::support_func_guess_t::Zero());
   double gap_across(const Eigen::Vector3d& direction) const;
+  std::optional<Eigen::Vector3d> separating_axis() const;
   void add_axis_of_solid(const Eigen::Isometry3d& to_tree);
   void add_axis(const Eigen::Isometry3d& to_a);
   double by_formula(int formula, const Placed& a, const Placed& b, double margin);
@@ -340,23 +342,29 @@ double NarrowPhase::Impl::gap_across(const Eigen::Vector3d& direction) const {
   return std::max(0.0, direction.dot(a - b) / length - difference.swept_sphere_radius.sum());
 }
 
+/// The unit vector along which GJK separated the two of `difference`, in the frame of the first; none near contact.
+std::optional<Eigen::Vector3d> NarrowPhase::Impl::separating_axis() const {
+  const double length = gjk.ray.norm();
+  if (!(length > contact_distance)) return std::nullopt;
+  return gjk.ray / length;
+}
+
 /// Keeps the axis that separates the primitives of a and b that GJK ran for last. `to_a`: from the frame of b.
 void NarrowPhase::Impl::add_axis(const Eigen::Isometry3d& to_a) {
-  const double length = gjk.ray.norm();
-  if (!(length > contact_distance)) return;
-  const Eigen::Vector3d axis = gjk.ray / length;
-  axes.add({axis, to_a.linear().transpose() * axis, -axis.dot(to_a.translation())});
+  if (const auto axis = separating_axis())
+    axes.add({*axis, to_a.linear().transpose() * *axis, -axis->dot(to_a.translation())});
 }
 
 /// The same of the solid and a primitive. The solid's projection is part of the offset.
 void NarrowPhase::Impl::add_axis_of_solid(const Eigen::Isometry3d& to_tree) {
-  const double length = gjk.ray.norm();
-  if (!(length > contact_distance)) return;
-  const Eigen::Vector3d axis = gjk.ray / length, in_tree = to_tree.linear() * axis;
+  const auto axis = separating_axis();
+  if (!axis) return;
+  const Eigen::Vector3d in_tree = to_tree.linear() * *axis;
   coal::support_func_guess_t vertices = gjk.support_hint;
   Eigen::Vector3d nearest, of_primitive;
-  difference.support(-axis, nearest, of_primitive, vertices);
-  axes.add({axis, in_tree, axis.dot(nearest) - difference.swept_sphere_radius[0] + in_tree.dot(to_tree.translation())});
+  difference.support(-*axis, nearest, of_primitive, vertices);
+  axes.add(
+      {*axis, in_tree, axis->dot(nearest) - difference.swept_sphere_radius[0] + in_tree.dot(to_tree.translation())});
 }
 
 double NarrowPhase::Impl::by_formula(int formula, const Placed& a, const Placed& b, double margin) {
