@@ -184,7 +184,7 @@ def test_a_motion_that_is_not_found_is_a_record(tmp_path, monkeypatch):
 
 
 def test_a_budget_of_the_spec(tmp_path):
-    spec = spec_of(count=24, per_shard=8, scenes=[{"kind": "cage", "scale": 0.9}], planner={"max_expansions": 1})
+    spec = spec_of(count=24, per_shard=8, scenes=[{"kind": "cage", "scale": 0.75}], planner={"max_expansions": 1})
     one = generate(spec, tmp_path / "one", workers=1)
     assert set(datasets.open(tmp_path / "one").failures()["status"].to_pylist()) == {"timed_out"}
     assert generate(spec, tmp_path / "two", workers=2).sha256 == one.sha256

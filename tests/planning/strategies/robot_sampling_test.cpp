@@ -44,6 +44,32 @@ BOOST_AUTO_TEST_CASE(max_samples_are_near_the_ends_and_all_within_limits) {
   BOOST_TEST(near < 950);
 }
 
+BOOST_AUTO_TEST_CASE(the_first_samples_are_near_the_straight_motions_and_within_limits) {
+  const auto robot = robots::planar();
+  const Vector2d from(0.1, -2.9), goals[] = {{0.3, -2.5}, {-2.0, 2.5}};
+  const RobotSamplingOptions options{.far_fraction = 1.0, .direct_samples = 500, .direct_distance = 0.1};
+  const search::RrtSpace space = rrt_space(*robot, from, {goals[0], goals[1]}, options);
+  const auto distance = [&from](const VectorXd& q, const Vector2d& goal) {
+    const Vector2d motion = goal - from;
+    return (q - from - std::clamp(motion.dot(q - from) / motion.squaredNorm(), 0.0, 1.0) * motion).norm();
+  };
+  const double widest = 2 * M_PI * std::sqrt(2.0);  // of the limits
+  search::RandomSequence random(1);
+  int near_first = 0, near_second = 0, far = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const VectorXd q = space.sample(random);
+    BOOST_TEST(!robot->limit_violation(q).has_value());
+    const double to_first = distance(q, goals[0]), to_second = distance(q, goals[1]);
+    if (i < 500) BOOST_TEST(std::min(to_first, to_second) <= 0.1 * widest);
+    near_first += i < 500 && to_first < to_second;
+    near_second += i < 500 && to_second < to_first;
+    far += i >= 500 && std::min(to_first, to_second) > 0.1 * widest;
+  }
+  BOOST_TEST(near_first > 100);
+  BOOST_TEST(near_second > 100);
+  BOOST_TEST(far > 200);
+}
+
 BOOST_AUTO_TEST_CASE(tool_directions_move_the_end_effector_straight_along_its_axes) {
   const auto robot = RobotModel::load(arm7());
   const VectorXd at{{0.1, 0.4, -0.2, -1.5, 0.1, 1.9, 0.3}};

@@ -41,6 +41,34 @@ struct Region {
   }
 };
 
+/// RrtSpace::sample of rrt_space.
+class Samples {
+ public:
+  Samples(const RobotModel& robot, const search::RrtSpace& space, const RobotSamplingOptions& options)
+      : near_(robot, space, options.near_margin),
+        far_(robot, space, options.far_margin),
+        options_(options),
+        start_(space.starts.front()) {
+    for (const Eigen::VectorXd& goal : space.goals) motions_.push_back(robot.difference(start_, goal));
+  }
+
+  Eigen::VectorXd operator()(search::RandomSequence& random) {
+    const Eigen::VectorXd q = (random.next() < options_.far_fraction ? far_ : near_).sample(random);
+    if (taken_ == options_.direct_samples || motions_.empty()) return q;
+    ++taken_;
+    const auto number = static_cast<std::size_t>(random.next() * static_cast<double>(motions_.size()));
+    const Eigen::VectorXd between = start_ + random.next() * motions_[number];
+    return between + options_.direct_distance * (q - between);
+  }
+
+ private:
+  Region near_, far_;
+  RobotSamplingOptions options_;
+  Eigen::VectorXd start_;
+  std::vector<Eigen::VectorXd> motions_;  // to the goals
+  std::size_t taken_{};                   // of the direct samples
+};
+
 /// RrtSpace::advance of add_tool_directions.
 class ToolDirections {
  public:
@@ -91,10 +119,7 @@ search::RrtSpace rrt_space(const RobotModel& robot, const Eigen::VectorXd& start
   space.goals = std::move(goals);
   space.max_step = options.max_step;
   for (const Joint& joint : robot.joints()) space.wraps.push_back(joint.kind == JointKind::continuous);
-  space.sample = [near = Region(robot, space, options.near_margin), far = Region(robot, space, options.far_margin),
-                  far_fraction = options.far_fraction](search::RandomSequence& random) {
-    return (random.next() < far_fraction ? far : near).sample(random);
-  };
+  space.sample = Samples(robot, space, options);
   return space;
 }
 

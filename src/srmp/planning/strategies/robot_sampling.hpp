@@ -12,10 +12,14 @@ struct RobotSamplingOptions {
   double max_step{
       0.7};  ///< over all joints [rad, prismatic joints m]: longer steps need fewer checks, and fail more often
   /// Samples are in the box around the straight motions to the goals, made wider by `near_margin` on each side [rad,
-  /// prismatic joints m]: a smaller margin finds short paths sooner, and detours later.
+  /// prismatic joints m]: with a smaller margin fewer samples find short paths, and more find detours.
   double near_margin{M_PI / 2};
-  /// This fraction of the samples is in a box made wider by `far_margin`: more of them find large detours sooner.
+  /// This fraction of the samples is in a box made wider by `far_margin`, for large detours.
   double far_fraction{0.2}, far_margin{2 * M_PI};
+  /// The first `direct_samples` are moved towards a straight motion to a goal, to `direct_distance` of the distance
+  /// from it (a fraction): the path is shorter, and found with fewer samples. More of them delay detours.
+  std::size_t direct_samples{0};
+  double direct_distance{0.35};
 };
 
 /// A robot's joints, for two trees to grow in from `start` and `goals`. Samples are within the joint limits.
