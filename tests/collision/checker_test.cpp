@@ -113,6 +113,10 @@ BOOST_AUTO_TEST_CASE(configurations_are_checked_at_the_door) {
   check_throws<InvalidArgument>([&] { checker.is_free(bad, *workspace); }, "NaN");
   check_throws<InvalidArgument>([&] { checker.is_motion_free(bad, good, *workspace); }, "start of the motion");
   check_throws<InvalidArgument>([&] { checker.is_motion_free(good, bad, *workspace); }, "end of the motion");
+  const Vector2d infinite(0, INFINITY), far(0, 2e4), opposite(0, -1.7e308), farthest(0, 1.7e308);
+  check_throws<InvalidArgument>([&] { checker.is_motion_free(infinite, infinite, *workspace); }, "start of the motion");
+  check_throws<InvalidArgument>([&] { checker.is_motion_free(good, far, *workspace); }, "as far as 10000");
+  check_throws<InvalidArgument>([&] { checker.is_motion_free(opposite, farthest, *workspace); }, "as far as 10000");
   check_throws<InvalidArgument>([&] { checker.contacts(bad, *workspace); }, "NaN");
   check_throws<InvalidArgument>([&] { checker.nearest(bad, *workspace); }, "NaN");
 }

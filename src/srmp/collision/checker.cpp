@@ -185,12 +185,13 @@ void Checker::require_own(const Workspace& workspace) const {
 }
 
 void Checker::require_motion(ConstVector a, ConstVector b, const Workspace& workspace) const {
-  require_own(workspace);
   const auto joints = static_cast<Eigen::Index>(dof());
   // A difference that is finite is one of finite values.
-  if (a.size() == joints && b.size() == joints && ((b - a).array().abs() <= max_joint_travel).all()) return;
+  if (a.size() == joints && b.size() == joints && ((b - a).array().abs() <= max_joint_travel).all())
+    return require_own(workspace);
   group().require_configuration(a, "start of the motion");
   group().require_configuration(b, "end of the motion");
+  require_own(workspace);
   for (Eigen::Index i = 0; i < a.size(); ++i) {
     const auto joint = static_cast<std::size_t>(i);
     if (std::abs(b[i] - a[i]) <= max_joint_travel || group().continuous()[joint]) continue;

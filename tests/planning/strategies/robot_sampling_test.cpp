@@ -70,6 +70,19 @@ BOOST_AUTO_TEST_CASE(the_first_samples_are_near_the_straight_motions_and_within_
   BOOST_TEST(far > 200);
 }
 
+BOOST_AUTO_TEST_CASE(direct_samples_of_a_joint_without_limits_are_on_the_short_way_round) {
+  const auto robot = robots::planar("continuous");
+  const search::RrtSpace space = rrt_space(*robot, start, {goal}, {.direct_samples = 100, .direct_distance = 0.0});
+  const auto copied = space.sample;
+  search::RandomSequence random(1), same(1);
+  for (int i = 0; i < 100; ++i) {
+    const VectorXd q = space.sample(random);
+    BOOST_TEST(q[0] >= start[0]);
+    BOOST_TEST(q[0] <= goal[0] + 2 * M_PI);
+    BOOST_TEST((copied(same) == q));
+  }
+}
+
 BOOST_AUTO_TEST_CASE(tool_directions_move_the_end_effector_straight_along_its_axes) {
   const auto robot = RobotModel::load(arm7());
   const VectorXd at{{0.1, 0.4, -0.2, -1.5, 0.1, 1.9, 0.3}};

@@ -72,10 +72,11 @@ class Samples {
 /// RrtSpace::advance of add_tool_directions.
 class ToolDirections {
  public:
-  ToolDirections(const RobotModel& robot, ConstVector other_positions, double step)
+  ToolDirections(const RobotModel& robot, ConstVector other_positions, double step, double max_change)
       : robot_(robot),
         data_(robot.make_data(other_positions).release(), RobotDataDeleter{}),
         step_(step),
+        max_change_(max_change),
         jacobian_(6, static_cast<Eigen::Index>(robot.dof())) {
     for (const std::string& link : robot.end_links()) links_.push_back(robot.link_index(link));
   }
@@ -95,7 +96,7 @@ class ToolDirections {
     normal.diagonal().array() += damping;
     const Eigen::VectorXd change = jacobian_.transpose() * normal.ldlt().solve(twist);
     const bool moves = (jacobian_.topRows<3>() * change).dot(twist.head<3>()) > 0.5 * step_ * step_;
-    if (!moves || change.norm() > RobotSamplingOptions().max_step) return false;
+    if (!moves || change.norm() > max_change_) return false;
     q += change;
     return !robot_.limit_violation(q);
   }
@@ -106,6 +107,7 @@ class ToolDirections {
   const RobotModel& robot_;
   std::shared_ptr<RobotData> data_;
   double step_;
+  double max_change_;  // over all joints
   Eigen::MatrixXd jacobian_;
   std::vector<std::size_t> links_;
 };
@@ -124,7 +126,7 @@ search::RrtSpace rrt_space(const RobotModel& robot, const Eigen::VectorXd& start
 }
 
 void add_tool_directions(search::RrtSpace& space, const RobotModel& robot, ConstVector other_positions, double step) {
-  ToolDirections directions(robot, other_positions, step);
+  ToolDirections directions(robot, other_positions, step, space.max_step);
   space.directions = directions.size();
   space.advance = std::move(directions);
 }

@@ -12,7 +12,7 @@ struct RobotSamplingOptions {
   double max_step{
       0.7};  ///< over all joints [rad, prismatic joints m]: longer steps need fewer checks, and fail more often
   /// Samples are in the box around the straight motions to the goals, made wider by `near_margin` on each side [rad,
-  /// prismatic joints m]: with a smaller margin fewer samples find short paths, and more find detours.
+  /// prismatic joints m]: with a smaller margin short paths take fewer samples, and detours more.
   double near_margin{M_PI / 2};
   /// This fraction of the samples is in a box made wider by `far_margin`, for large detours.
   double far_fraction{0.2}, far_margin{2 * M_PI};
