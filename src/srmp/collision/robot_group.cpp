@@ -49,6 +49,7 @@ bool RobotGroup::contains(const std::string& name) const {
 }
 
 void RobotGroup::require_configuration(ConstVector q, std::string_view what) const {
+  if (q.size() == static_cast<Eigen::Index>(joints_.size()) && q.allFinite()) return;
   if (robots_.size() == 1) return model(0).require_configuration(q, what);
   if (q.size() != static_cast<Eigen::Index>(joints_.size())) {
     std::string robots;

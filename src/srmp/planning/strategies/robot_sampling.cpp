@@ -11,27 +11,24 @@ namespace srmp {
 
 namespace {
 
-/// Where samples are taken from: the box around the straight motions to the goals, made wider by `margin` on each side,
-/// within the limits.
+/// A box of configurations that samples are taken from.
 struct Region {
   Eigen::VectorXd lower, upper;
 
-  Region(const RobotModel& robot, const search::RrtSpace& space, double margin) {
-    const Eigen::VectorXd& start = space.starts.front();
-    lower = upper = start;
-    for (const Eigen::VectorXd& goal : space.goals) {
-      const Eigen::VectorXd motion = robot.difference(start, goal);
-      for (Eigen::Index k = 0; k < motion.size(); ++k) {
-        const double end = space.wraps[static_cast<std::size_t>(k)] ? start[k] + motion[k] : goal[k];
-        lower[k] = std::min(lower[k], end);
-        upper[k] = std::max(upper[k], end);
-      }
-    }
+  void include(const Eigen::VectorXd& q) {
+    lower = lower.cwiseMin(q);
+    upper = upper.cwiseMax(q);
+  }
+
+  /// Wider by `margin` on each side, within the limits.
+  Region widened(const RobotModel& robot, double margin) const {
+    Region wide = *this;
     for (std::size_t i = 0; i < robot.dof(); ++i) {
       const auto k = static_cast<Eigen::Index>(i);
-      lower[k] = std::max(robot.joints()[i].lower, lower[k] - margin);
-      upper[k] = std::min(robot.joints()[i].upper, upper[k] + margin);
+      wide.lower[k] = std::max(robot.joints()[i].lower, lower[k] - margin);
+      wide.upper[k] = std::min(robot.joints()[i].upper, upper[k] + margin);
     }
+    return wide;
   }
 
   Eigen::VectorXd sample(search::RandomSequence& random) const {
@@ -45,11 +42,16 @@ struct Region {
 class Samples {
  public:
   Samples(const RobotModel& robot, const search::RrtSpace& space, const RobotSamplingOptions& options)
-      : near_(robot, space, options.near_margin),
-        far_(robot, space, options.far_margin),
-        options_(options),
-        start_(space.starts.front()) {
-    for (const Eigen::VectorXd& goal : space.goals) motions_.push_back(robot.difference(start_, goal));
+      : options_(options), start_(space.starts.front()) {
+    Region around{start_, start_};  // the straight motions
+    for (Eigen::VectorXd end : space.goals) {
+      motions_.push_back(robot.difference(start_, end));
+      for (Eigen::Index k = 0; k < end.size(); ++k)
+        if (space.wraps[static_cast<std::size_t>(k)]) end[k] = start_[k] + motions_.back()[k];
+      around.include(end);
+    }
+    near_ = around.widened(robot, options.near_margin);
+    far_ = around.widened(robot, options.far_margin);
   }
 
   Eigen::VectorXd operator()(search::RandomSequence& random) {
