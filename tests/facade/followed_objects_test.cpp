@@ -2,8 +2,11 @@
 
 #include <boost/test/unit_test.hpp>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <random>
 #include <set>
+#include <span>
 #include <sstream>
 
 #include "srmp/planner_interface.hpp"
@@ -33,7 +36,7 @@ PlannerInterface two_arms(const std::vector<Pose>& posts) {
   return planner;
 }
 
-/// Of one arm, or why there is none; then of both.
+/// Of one arm, or why there is none; then of both, and of one beside the other, which holds.
 std::string plans(PlannerInterface& planner) {
   std::ostringstream text;
   text.precision(17);
@@ -51,7 +54,14 @@ std::string plans(PlannerInterface& planner) {
   } catch (const srmp::Error& error) {
     text << error.what();
   }
-  text << planner.is_state_colliding("left", start);
+  try {
+    const auto beside =
+        planner.plan_multi({{"left", start}, {"right", goal}}, {{"left", GoalConstraint::joints(goal)}});
+    text << beside.robots.at("left").positions;
+  } catch (const srmp::Error& error) {
+    text << error.what();
+  }
+  text << planner.is_state_colliding("left", start) << planner.is_state_colliding("right", goal);
   return text.str();
 }
 
@@ -103,6 +113,50 @@ BOOST_AUTO_TEST_CASE(plans_after_objects_come_and_go_are_those_of_a_new_planner)
     }
   }
   BOOST_TEST(different.size() > 4);
+}
+
+BOOST_AUTO_TEST_CASE(plans_after_any_changes_are_those_of_a_new_planner) {
+  using Change = std::function<void(PlannerInterface&)>;
+  const std::vector<std::string> robots{"left", "right"}, names{"a", "b", "c", "d"};
+  std::mt19937 dice(7);
+  const auto below = [&](unsigned count) { return dice() % count; };
+  const auto in = [&](double low, double high) { return low + (high - low) * below(1000) / 1000.0; };
+  std::vector<Change> history;
+  PlannerInterface planner = two_arms({});
+  std::set<std::string> different;
+  const auto do_all = [](PlannerInterface& to, std::span<const Change> changes) {
+    for (const Change& change : changes) change(to);
+  };
+  for (int step = 0; step < 40; ++step) {
+    const std::size_t known = history.size();
+    for (unsigned count = below(4); count > 0; --count) {
+      const std::string name = names[below(4)], robot = robots[below(2)];
+      const Pose pose{.p = {in(-2.0, 4.5), in(-1.8, 1.8), 0.0}};
+      const double number = in(0.0, 0.05);
+      const auto kind = below(8);
+      history.push_back([=](PlannerInterface& to) {
+        const bool exists = to.scene().objects().contains(name), held = to.scene().attachments().contains(name);
+        if (kind == 0) to.set_qpos(robot, 10.0 * number * start);
+        if (kind == 1) to.set_base_pose(robot, {.p = {robot == "left" ? 0.0 : 3.0, number, 0.0}});
+        if (kind == 2 && exists) to.remove_object(name);
+        if (kind == 2) return to.add_box(name, {0.2, 0.1 + number, 0.3}, pose);
+        if (!exists) return to.add_cylinder(name, 0.05 + number, 1.0, pose);
+        if (kind == 3) to.remove_object(name);
+        if (kind == 4) to.set_padding(name, number);
+        if (kind == 5 && held) return to.detach_object(name);
+        if (kind == 5) to.attach_object(name, robot, to.get_link_names(robot).back(), {}, Pose{});
+        if (kind >= 6 && !held) to.set_object_pose(name, pose);
+        if (kind == 7) to.set_allowed_collision(name, robot, number < 0.03);
+      });
+    }
+    do_all(planner, std::span(history).subspan(known));
+    PlannerInterface anew = two_arms({});
+    do_all(anew, history);
+    const std::string expected = plans(anew);
+    BOOST_TEST(plans(planner) == expected);
+    different.insert(expected);
+  }
+  BOOST_TEST(different.size() > 15);
 }
 
 BOOST_AUTO_TEST_CASE(an_object_that_comes_back_has_no_allowed_collisions) {

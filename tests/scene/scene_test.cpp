@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "srmp/core/error.hpp"
+#include "srmp/scene/scene_changes.hpp"
 #include "support/robots.hpp"
 #include "support/throws.hpp"
 
@@ -232,6 +233,58 @@ BOOST_AUTO_TEST_CASE(a_scene_follows_the_objects_of_another) {
   BOOST_TEST(scene.groups().at("desk").objects.size() == 1u);
   check_throws<InvalidArgument>([&] { scene.follow_objects(other, {"cup"}); }, "'cup' is attached");
   BOOST_TEST(scene.allowed_collision("cup", "table"));
+}
+
+BOOST_AUTO_TEST_CASE(changes_of_a_scene_are_found) {
+  Scene before = two_planars();
+  before.add_object("box", Box{{0.1, 0.1, 0.1}}, {});
+  before.add_object("ball", Sphere{0.1}, {});
+  before.set_allowed_collision("box", "table");
+  const auto changes = [&](auto&& change) {
+    Scene after = before;
+    change(after);
+    return changes_between(before, after);
+  };
+  using Names = std::set<std::string>;
+  const SceneChanges none = changes([](Scene&) {});
+  BOOST_TEST((none.objects.empty() && none.robots.empty() && !none.others));
+
+  const SceneChanges objects = changes([](Scene& scene) {
+    scene.set_object_pose("ball", {{1, 0, 0}, {1, 0, 0, 0}});
+    scene.remove_object("box");  // its setting goes with it
+    scene.add_object("new", Sphere{0.1}, {});
+    scene.set_allowed_collision("new", "left");
+    scene.set_padding("table", 0.02);
+  });
+  BOOST_TEST((objects.objects == Names{"ball", "box", "new", "table"}));
+  BOOST_TEST((objects.robots.empty() && !objects.others));
+  const SceneChanges again = changes([](Scene& scene) {
+    scene.remove_object("box");
+    scene.add_object("box", Box{{0.1, 0.1, 0.1}}, {});
+  });
+  BOOST_TEST((again.objects == Names{"box"}));
+  BOOST_TEST(!again.others);
+
+  const SceneChanges placed = changes([](Scene& scene) { scene.set_qpos("left", Eigen::Vector2d(0.1, 0.2)); });
+  BOOST_TEST((placed.objects.empty() && placed.robots == Names{"left"} && !placed.others));
+
+  const std::vector<std::function<void(Scene&)>> others{
+      [](Scene& scene) { scene.set_base_pose("left", {{0, 0, 1}, {1, 0, 0, 0}}); },
+      [](Scene& scene) { scene.set_robot_padding("left", 0.01); },
+      [](Scene& scene) { scene.remove_robot("right"); },
+      [](Scene& scene) { scene.add_robot(planar_called("third")); },
+      [](Scene& scene) { scene.attach_object("box", "left", "tip"); },
+      [](Scene& scene) { scene.detach_object("cup"); },
+      [](Scene& scene) { scene.set_allowed_collision("ball", "table"); },
+      [](Scene& scene) { scene.set_allowed_collision("box", "table", false); },
+      [](Scene& scene) { scene.set_allowed_collision("left", "right"); },
+      [](Scene& scene) {  // the pairs of an object that only moved are those of before
+        scene.set_object_pose("ball", {{1, 0, 0}, {1, 0, 0, 0}});
+        scene.set_allowed_collision("ball", "left");
+      },
+      [](Scene& scene) { scene.clear_allowed_collisions(); },
+      [](Scene& scene) { scene.reset(); }};
+  for (std::size_t i = 0; i < others.size(); ++i) BOOST_TEST(changes(others[i]).others, "change " << i);
 }
 
 BOOST_AUTO_TEST_CASE(a_group_goes_with_its_first_object) {

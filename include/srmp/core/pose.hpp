@@ -43,6 +43,8 @@ struct Pose {
   Pose operator*(const Pose& child) const;
   /// The point [m], given in this frame, in the parent frame.
   Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return q * point + p; }
+  /// Are all seven numbers equal? q and -q are not, though they are the same rotation.
+  bool operator==(const Pose& other) const { return p == other.p && q.coeffs() == other.q.coeffs(); }
 };
 
 }  // namespace srmp

@@ -71,13 +71,7 @@ Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions
     scene.robot(name);  // throws with the nearest name
     if (group.contains(name)) throw InvalidArgument("robot '" + name + "' is planned and cannot be excluded");
   }
-  Eigen::VectorXd q(static_cast<Eigen::Index>(group.joints().size()));
-  Eigen::Index first = 0;
-  for (std::size_t i = 0; i < group.size(); ++i) {
-    q.segment(first, group.instance(i).q.size()) = group.instance(i).q;
-    first += group.instance(i).q.size();
-  }
-  group.forward(data_, q);
+  group.forward(data_, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(group.joints().size())));
   fixed.reserve(scene.objects().size() + 8);  // moving them costs more than making room
   for (std::size_t i = 0; i < group.size(); ++i) add_links(static_cast<int>(i));
   add_objects(scene);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -42,10 +43,10 @@ struct RigidOverlap {
 struct PairSide;
 
 /// What a scene's change did to Bodies::fixed.
-struct FixedChange {
-  enum class Kind { inserted, erased, replaced, moved } kind{};
-  std::size_t index{};  // once the changes before are done
-  bool same_pairs{};    // does the body have pairs with the same bodies as before?
+struct FixedChanges {
+  static constexpr int changed = -1;
+  std::vector<int> before;  // of each body, its number before, or `changed`: it is new, replaced or moved
+  bool same_pairs{};        // are pairs those of the same bodies as before?
 };
 
 struct Bodies {
@@ -55,7 +56,7 @@ struct Bodies {
 
   /// Objects of these names that no robot holds were added to `scene`, removed, replaced or moved since, and nothing
   /// else has changed: all that depends on them is as if made anew. Returns what became of `fixed`, in this order.
-  std::vector<FixedChange> follow_objects(const Scene& scene, const std::set<std::string>& names);
+  std::optional<FixedChanges> follow_objects(const Scene& scene, const std::set<std::string>& names);
 
   /// Is this robot, which is not in the group, left out with all that it holds?
   bool leaves_out(const std::string& robot) const;
@@ -118,7 +119,7 @@ struct Bodies {
   const RobotGroup& group_;
   CheckerOptions options_;
   std::vector<const PairTables*> tables_;
-  RobotGroup::Data data_;  // where set_qpos put the robots
+  RobotGroup::Data data_;  // with the planned joints at 0: nothing here depends on where they stand
   // Those of `formulas` that are of bodies that are gone or changed.
   std::vector<std::shared_ptr<const coal::CollisionGeometry>> examples_;
 };

@@ -10,74 +10,71 @@
 
 namespace srmp::detail {
 
+namespace {
+
+/// Keeps those that update(each) says stay.
+template <class Value, class Update>
+void keep(std::vector<Value>& values, Update&& update) {
+  auto end = values.begin();
+  for (Value& value : values)
+    if (update(value)) *end++ = value;
+  values.erase(end, values.end());
+}
+
+}  // namespace
+
 class Bodies::Following {
  public:
-  Following(Bodies& bodies, const Scene& scene) : bodies_(bodies), scene_(scene), changed_(bodies.fixed.size()) {
+  Following(Bodies& bodies, const Scene& scene)
+      : bodies_(bodies), scene_(scene), now_(bodies.fixed.size()), is_other_(bodies.fixed.size()) {
     const auto begin = bodies.fixed.begin();
     const auto is_link = [](const FixedBody& body) { return body.kind == BodyKind::link; };
     const auto first =
         std::find_if(begin, bodies.fixed.end(), [&](const auto& body) { return !is_link(body) || body.robot < 0; });
     first_object_ = first - begin;
     end_of_objects_ = std::find_if(first, bodies.fixed.end(), is_link) - begin;
+    for (std::size_t i = 0; i < now_.size(); ++i) changes_.before.push_back(now_[i] = static_cast<int>(i));
   }
 
-  void follow(const std::string& name) {
+  std::optional<FixedChanges> follow(const std::set<std::string>& names) {
+    for (const std::string& name : names) change(name);
+    if (!changed_) return std::nullopt;
+    if (renumbered_) renumber();
+    update_pairs();
+    if (!changes_.same_pairs) bodies_.number_pairs();
+    bodies_.build_tree();
+    update_overlaps();
+    return std::move(changes_);
+  }
+
+ private:
+  static constexpr int gone = -1;
+
+  /// Changes a body of the object where it is, or notes that one is gone or is to be inserted.
+  void change(const std::string& name) {
     const auto object = scene_.objects().find(name);
     const bool exists = object != scene_.objects().end();
     const std::size_t index = place_of(name);
     const bool existed = static_cast<std::ptrdiff_t>(index) < end_of_objects_ && bodies_.fixed[index].name == name;
     if (!exists && !existed) return;
-    using Kind = FixedChange::Kind;
-    Kind kind = !existed ? Kind::inserted : !exists ? Kind::erased : Kind::replaced;
-    if (kind == Kind::replaced && is_same(bodies_.fixed[index], object->second)) kind = Kind::moved;
-    changes.push_back({kind, index, kind == Kind::moved});
-    if (kind == Kind::moved) return move(index, object->second.pose);
-    if (existed) keep_example(index);
-    const auto at = static_cast<std::ptrdiff_t>(index);
-    if (kind == Kind::replaced) {
-      bodies_.fixed[index] = bodies_.free_object(object->second);
-      changed_[index] = true;
-      const PairsOfObject own = pairs_of(index);
-      changes.back().same_pairs = update_pairs(index, own);
-      if (changes.back().same_pairs) return;
-      forget_pairs(index);
-      return add_pairs(own);
-    }
-    if (kind == Kind::erased) {
-      forget_pairs(index);
-      forget_overlaps([&](bool is_fixed, std::uint32_t number) { return is_fixed && number == index; });
-      --end_of_objects_;
-      bodies_.fixed.erase(bodies_.fixed.begin() + at);
-      changed_.erase(changed_.begin() + at);
-      renumber(index + 1, -1);
+    changed_ = true;
+    if (!existed) {
+      inserted_.push_back({index, &object->second});
+      renumbered_ = true;
       return;
     }
-    ++end_of_objects_;
-    renumber(index, 1);
-    bodies_.fixed.insert(bodies_.fixed.begin() + at, bodies_.free_object(object->second));
-    changed_.insert(changed_.begin() + at, true);
-    add_pairs(pairs_of(index));
-  }
-
-  /// Updates what depends on all changes together: numbers of pairs, the tree and the overlaps.
-  void finish() {
-    if (!std::ranges::all_of(changes, &FixedChange::same_pairs)) bodies_.number_pairs();
-    bodies_.build_tree();
-    forget_overlaps([&](bool is_fixed, std::uint32_t number) { return is_fixed && changed_[number]; });
-    for (const auto& [a, b] : bodies_.fixed_pairs) {
-      const RigidOverlap pair{true, true, a, b};
-      if ((changed_[a] || changed_[b]) && bodies_.overlap(pair)) bodies_.overlaps.push_back(pair);
+    changes_.before[index] = FixedChanges::changed;
+    if (exists && is_same(bodies_.fixed[index], object->second)) return move(index, object->second.pose);
+    keep_example(index);
+    is_other_[index] = true;
+    if (exists) {
+      bodies_.fixed[index] = bodies_.free_object(object->second);
+    } else {
+      now_[index] = gone;
+      renumbered_ = true;
     }
-    // Those of moving bodies come first, in their own order.
-    std::stable_sort(bodies_.overlaps.begin(), bodies_.overlaps.end(), [](const auto& a, const auto& b) {
-      if (!a.a_fixed || !b.a_fixed) return a.a_fixed < b.a_fixed;
-      return std::pair(a.a, a.b) < std::pair(b.a, b.b);
-    });
   }
 
-  std::vector<FixedChange> changes;
-
- private:
   /// Where an object is, or is to be inserted: objects come after the group's links, by name, those too that robots
   /// hold.
   std::size_t place_of(const std::string& name) const {
@@ -95,15 +92,6 @@ class Bodies::Following {
     FixedBody& body = bodies_.fixed[index];
     body.pose = bodies_.in_base(pose);
     body.center = body.pose * body.bounds.center;
-    changed_[index] = true;
-  }
-
-  /// Those of bodies of which is_gone(fixed?, number).
-  template <class IsGone>
-  void forget_overlaps(IsGone&& is_gone) {
-    std::erase_if(bodies_.overlaps, [&](const RigidOverlap& pair) {
-      return is_gone(pair.a_fixed, pair.a) || is_gone(pair.b_fixed, pair.b);
-    });
   }
 
   /// Formulas refer to the first solids that needed them.
@@ -116,20 +104,55 @@ class Bodies::Following {
       bodies_.examples_.push_back(body.parts.hull);
   }
 
-  void forget_pairs(std::size_t index) {
-    std::erase_if(bodies_.pairs, [&](const Pair& pair) { return pair.b_fixed && pair.b == index; });
-    std::erase_if(bodies_.fixed_pairs, [&](const auto& pair) { return pair.first == index || pair.second == index; });
+  /// Puts the new bodies among those that stay, which get other numbers.
+  void renumber() {
+    std::vector<FixedBody> fixed;
+    std::vector<char> is_other;
+    std::vector<int> before;
+    fixed.reserve(bodies_.fixed.size() + inserted_.size());
+    auto next = inserted_.begin();
+    for (std::size_t i = 0; i <= bodies_.fixed.size(); ++i) {
+      for (; next != inserted_.end() && next->place == i; ++next) {
+        fixed.push_back(bodies_.free_object(*next->object));
+        is_other.push_back(true);
+        before.push_back(FixedChanges::changed);
+      }
+      if (i == bodies_.fixed.size() || now_[i] == gone) continue;
+      now_[i] = static_cast<int>(fixed.size());
+      fixed.push_back(std::move(bodies_.fixed[i]));
+      is_other.push_back(is_other_[i]);
+      before.push_back(changes_.before[i]);
+    }
+    bodies_.fixed = std::move(fixed);
+    is_other_ = std::move(is_other);
+    changes_.before = std::move(before);
   }
 
-  /// What is numbered from `first` on gets other numbers.
-  void renumber(std::size_t first, int by) {
-    const auto renumber = [&](bool is_fixed, std::uint32_t& number) {
-      if (is_fixed && number >= first) number = static_cast<std::uint32_t>(static_cast<int>(number) + by);
-    };
-    for (std::vector<Pair>* pairs : {&bodies_.pairs, &bodies_.apart})
-      for (Pair& pair : *pairs) renumber(pair.b_fixed, pair.b);
-    for (RigidOverlap& pair : bodies_.overlaps) renumber(pair.a_fixed, pair.a), renumber(pair.b_fixed, pair.b);
-    for (auto& [a, b] : bodies_.fixed_pairs) renumber(true, a), renumber(true, b);
+  /// Gives a body the number that it has now; false: it has no pairs of before.
+  bool update(std::uint32_t& number) const {
+    const int now = now_[number];
+    if (now == gone || is_other_[static_cast<std::size_t>(now)]) return false;
+    number = static_cast<std::uint32_t>(now);
+    return true;
+  }
+
+  void update_pairs() {
+    if (std::ranges::none_of(is_other_, [](char other) { return other; }) && !renumbered_) {
+      changes_.same_pairs = true;
+      return;
+    }
+    std::vector<Pair> own = pairs_of_others();
+    if (!renumbered_ && replace(own)) {
+      changes_.same_pairs = true;
+    } else {
+      keep(bodies_.pairs, [&](Pair& pair) { return !pair.b_fixed || update(pair.b); });
+      std::vector<Pair> all;
+      all.reserve(bodies_.pairs.size() + own.size());
+      std::ranges::merge(bodies_.pairs, own, std::back_inserter(all), comes_before);
+      bodies_.pairs = std::move(all);
+    }
+    keep(bodies_.apart, [&](Pair& pair) { return !pair.b_fixed || update(pair.b); });
+    update_fixed_pairs();
   }
 
   /// Bodies::add_pairs makes pairs in this order.
@@ -141,68 +164,78 @@ class Bodies::Following {
     return key(x) < key(y);
   }
 
-  using FixedPair = std::pair<std::uint32_t, std::uint32_t>;
-  /// Those of an object that count, in their order.
-  struct PairsOfObject {
-    std::vector<Pair> moving;      // with moving bodies
-    std::vector<FixedPair> fixed;  // with links that stand still
-  };
-
-  PairsOfObject pairs_of(std::size_t index) {
+  /// Pairs of moving bodies and of those that are new or replaced.
+  std::vector<Pair> pairs_of_others() {
     ContactRules rules(scene_, bodies_.group_, false);
     const std::vector<PairSide> of_moving = rules.sides(bodies_.moving);
-    const PairSide object = rules.side(bodies_.fixed[index]);
-    PairsOfObject found;
+    std::vector<std::pair<std::uint32_t, PairSide>> others, links;  // links that stand still, and what they hold
+    for (std::uint32_t i = 0; i < is_other_.size(); ++i)
+      if (is_other_[i] || bodies_.fixed[i].robot == 0)
+        (is_other_[i] ? others : links).emplace_back(i, rules.side(bodies_.fixed[i]));
+    std::vector<Pair> pairs;
     for (std::size_t i = 0; i < of_moving.size(); ++i)
-      if (rules.count(of_moving[i], object))
-        found.moving.push_back(bodies_.pair_of(of_moving[i], i, object, true, index));
-    for (std::uint32_t i = 0; i < bodies_.fixed.size(); ++i)
-      if (i != index && bodies_.fixed[i].robot == 0 && rules.count(rules.side(bodies_.fixed[i]), object))
-        found.fixed.emplace_back(i, static_cast<std::uint32_t>(index));
-    return found;
+      for (const auto& [j, other] : others)
+        if (rules.count(of_moving[i], other)) pairs.push_back(bodies_.pair_of(of_moving[i], i, other, true, j));
+    for (const auto& [i, link] : links)
+      for (const auto& [j, other] : others)
+        if (rules.count(link, other)) fixed_pairs_.emplace_back(i, j);
+    return pairs;
   }
 
-  /// Puts the object's pairs where those of before are; false, and nothing is done, where these are with other bodies.
-  bool update_pairs(std::size_t index, const PairsOfObject& own) {
+  /// Puts pairs where those of the same bodies were; false, and nothing is done, where there were others.
+  bool replace(const std::vector<Pair>& own) {
     std::vector<Pair*> before;
     for (Pair& pair : bodies_.pairs)
-      if (pair.b_fixed && pair.b == index) before.push_back(&pair);
-    std::vector<FixedPair> fixed;
-    std::ranges::copy_if(bodies_.fixed_pairs, std::back_inserter(fixed),
-                         [&](const FixedPair& pair) { return pair.first == index || pair.second == index; });
-    if (fixed != own.fixed || !std::ranges::equal(before, own.moving, {}, &Pair::a, &Pair::a)) return false;
-    for (std::size_t i = 0; i < before.size(); ++i) *before[i] = own.moving[i];
+      if (pair.b_fixed && is_other_[pair.b]) before.push_back(&pair);
+    const auto bodies = [](const Pair& pair) { return std::pair(pair.a, pair.b); };
+    if (!std::ranges::equal(before, own, {}, [&](const Pair* pair) { return bodies(*pair); }, bodies)) return false;
+    for (std::size_t i = 0; i < own.size(); ++i) *before[i] = own[i];
     return true;
   }
 
-  void add_pairs(const PairsOfObject& own) {
-    std::vector<Pair> all;
-    all.reserve(bodies_.pairs.size() + own.moving.size());
-    auto next = bodies_.pairs.begin();
-    for (const Pair& pair : own.moving) {
-      const auto place = std::lower_bound(next, bodies_.pairs.end(), pair, comes_before);
-      all.insert(all.end(), next, place);
-      all.push_back(pair);
-      next = place;
-    }
-    all.insert(all.end(), next, bodies_.pairs.end());
-    bodies_.pairs = std::move(all);
-    for (const FixedPair& pair : own.fixed)
-      bodies_.fixed_pairs.insert(std::ranges::upper_bound(bodies_.fixed_pairs, pair), pair);
+  void update_fixed_pairs() {
+    keep(bodies_.fixed_pairs, [&](auto& pair) { return update(pair.first) && update(pair.second); });
+    const auto own = bodies_.fixed_pairs.insert(bodies_.fixed_pairs.end(), fixed_pairs_.begin(), fixed_pairs_.end());
+    std::ranges::inplace_merge(bodies_.fixed_pairs, own);
   }
+
+  void update_overlaps() {
+    const auto is_changed = [&](std::uint32_t number) { return changes_.before[number] == FixedChanges::changed; };
+    const auto stays = [&](bool is_fixed, std::uint32_t& number) {
+      return !is_fixed || (update(number) && !is_changed(number));
+    };
+    keep(bodies_.overlaps,
+         [&](RigidOverlap& pair) { return stays(pair.a_fixed, pair.a) && stays(pair.b_fixed, pair.b); });
+    for (const auto& [a, b] : bodies_.fixed_pairs) {
+      const RigidOverlap pair{true, true, a, b};
+      if ((is_changed(a) || is_changed(b)) && bodies_.overlap(pair)) bodies_.overlaps.push_back(pair);
+    }
+    // Those of moving bodies come first, in their own order.
+    std::stable_sort(bodies_.overlaps.begin(), bodies_.overlaps.end(), [](const auto& a, const auto& b) {
+      if (!a.a_fixed || !b.a_fixed) return a.a_fixed < b.a_fixed;
+      return std::pair(a.a, a.b) < std::pair(b.a, b.b);
+    });
+  }
+
+  struct Insertion {
+    std::size_t place;  // before the body that had this number
+    const Object* object;
+  };
 
   Bodies& bodies_;
   const Scene& scene_;
-  std::ptrdiff_t first_object_, end_of_objects_;
-  std::vector<char> changed_;  // by fixed body: it was added, replaced or moved
+  std::ptrdiff_t first_object_{}, end_of_objects_{};  // before
+  bool changed_{}, renumbered_{};
+  std::vector<int> now_;  // of each fixed body before: its number now, or gone
+  FixedChanges changes_;
+  std::vector<Insertion> inserted_;
+  std::vector<char> is_other_;                                        // by fixed body: it is new or replaced
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> fixed_pairs_;  // of those, with links that stand still
 };
 
-std::vector<FixedChange> Bodies::follow_objects(const Scene& scene, const std::set<std::string>& names) {
-  if (options_.other_robots_only) return {};
-  Following following(*this, scene);
-  for (const std::string& name : names) following.follow(name);
-  if (!following.changes.empty()) following.finish();
-  return std::move(following.changes);
+std::optional<FixedChanges> Bodies::follow_objects(const Scene& scene, const std::set<std::string>& names) {
+  if (options_.other_robots_only) return std::nullopt;
+  return Following(*this, scene).follow(names);
 }
 
 }  // namespace srmp::detail

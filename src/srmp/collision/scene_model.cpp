@@ -56,9 +56,9 @@ SceneModel::SceneModel(const Scene& scene, const RobotGroup& robots, const Check
 }
 
 void SceneModel::follow_objects(const Scene& scene, const std::set<std::string>& names) {
-  const std::vector<FixedChange> changes = bodies.follow_objects(scene, names);
-  if (!batch || changes.empty()) return;
-  const std::vector<int> known = batch_scene.follow(bodies, changes);
+  const std::optional<FixedChanges> changes = bodies.follow_objects(scene, names);
+  if (!batch || !changes) return;
+  const std::vector<int> known = batch_scene.follow(bodies, *changes);
   BatchChecker next(*batch, batch_scene.pairs, known);
   batch.emplace(std::move(next));
 }

@@ -10,7 +10,7 @@ using io::AttachedObject;
 using io::CollisionObject;
 using io::SceneFile;
 
-bool same(const Pose& a, const Pose& b) { return a.p == b.p && a.q.coeffs() == b.q.coeffs(); }
+bool same(const Pose& a, const Pose& b) { return a == b; }
 
 bool same(const Box& a, const Box& b) { return a.size == b.size; }
 bool same(const Sphere& a, const Sphere& b) { return a.radius == b.radius; }

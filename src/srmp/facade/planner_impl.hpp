@@ -33,31 +33,11 @@ struct PlannerInterface::Impl {
   std::optional<LastRequest> request;                 // of the last plan
   std::optional<LastResult> result;                   // of it, while nothing that it depends on has changed
 
-  /// Runs a change of the scene; the checkers made for the old one go.
+  /// Runs a change of the scene.
   template <class Change>
   void change(Change&& apply) {
     apply(scene);
-    checkers.clear();
-    result.reset();
-  }
-
-  /// Runs a change of one object: adds or removes it, or changes what it is. The checkers follow, unless a robot held
-  /// it. The name is a copy, because the caller's may be part of what is removed.
-  template <class Change>
-  void change_object(const std::string name, Change&& apply) {
-    const bool held = scene.attachments().contains(name);
-    apply(scene);
-    if (held)
-      checkers.clear();
-    else
-      checkers.object_changed(name);
-    result.reset();
-  }
-
-  /// Moves an object that no robot holds; the checkers follow it.
-  void move_object(const std::string& name, const Pose& pose) {
-    scene.set_object_pose(name, pose);
-    checkers.object_moved(name);
+    checkers.scene_changed();
     result.reset();
   }
 
@@ -249,7 +229,7 @@ struct PlannerInterface::Impl {
     for (const RobotProblem& robot : moving) names.push_back(robot.robot);
     const auto threads = static_cast<std::size_t>(num_threads(options));
     const auto group = make_checkers(
-        deadline, [&] { return checkers.of(now, names, common_options(options).clearance, threads, deadline); });
+        deadline, [&] { return checkers.of(scene, now, names, common_options(options).clearance, threads, deadline); });
     const PlanProblem problem{now, std::move(moving),     *group,           options, heuristics,
                               {},  std::move(stationary), request.obstacles};
     return run_pipeline(problem, deadline, statistics);

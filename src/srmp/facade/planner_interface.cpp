@@ -49,26 +49,26 @@ void PlannerInterface::set_joint_positions(const std::string& robot, const std::
 // --- objects
 
 void PlannerInterface::add_box(const std::string& name, const Eigen::Vector3d& size, const Pose& pose, double padding) {
-  impl_->change_object(name, [&](Scene& scene) { scene.add_object(name, Box{size}, pose, padding); });
+  impl_->change([&](Scene& scene) { scene.add_object(name, Box{size}, pose, padding); });
 }
 
 void PlannerInterface::add_sphere(const std::string& name, double radius, const Pose& pose, double padding) {
-  impl_->change_object(name, [&](Scene& scene) { scene.add_object(name, Sphere{radius}, pose, padding); });
+  impl_->change([&](Scene& scene) { scene.add_object(name, Sphere{radius}, pose, padding); });
 }
 
 void PlannerInterface::add_cylinder(const std::string& name, double radius, double length, const Pose& pose,
                                     double padding) {
-  impl_->change_object(name, [&](Scene& scene) { scene.add_object(name, Cylinder{radius, length}, pose, padding); });
+  impl_->change([&](Scene& scene) { scene.add_object(name, Cylinder{radius, length}, pose, padding); });
 }
 
 void PlannerInterface::add_capsule(const std::string& name, double radius, double length, const Pose& pose,
                                    double padding) {
-  impl_->change_object(name, [&](Scene& scene) { scene.add_object(name, Capsule{radius, length}, pose, padding); });
+  impl_->change([&](Scene& scene) { scene.add_object(name, Capsule{radius, length}, pose, padding); });
 }
 
 void PlannerInterface::add_cone(const std::string& name, double radius, double length, const Pose& pose,
                                 double padding) {
-  impl_->change_object(name, [&](Scene& scene) { scene.add_object(name, Cone{radius, length}, pose, padding); });
+  impl_->change([&](Scene& scene) { scene.add_object(name, Cone{radius, length}, pose, padding); });
 }
 
 void PlannerInterface::add_mesh(const std::string& name, const std::string& path, const Pose& pose,
@@ -77,13 +77,13 @@ void PlannerInterface::add_mesh(const std::string& name, const std::string& path
 }
 
 void PlannerInterface::add_mesh(const std::string& name, const Mesh& mesh, const Pose& pose, double padding) {
-  impl_->change_object(name, [&](Scene& scene) { scene.add_object(name, mesh, pose, padding); });
+  impl_->change([&](Scene& scene) { scene.add_object(name, mesh, pose, padding); });
 }
 
 void PlannerInterface::add_point_cloud(const std::string& name, const std::vector<Eigen::Vector3d>& points,
                                        double resolution, const Pose& pose, double padding,
                                        std::optional<double> self_filter_distance) {
-  impl_->change_object(name, [&](Scene& scene) {
+  impl_->change([&](Scene& scene) {
     if (!self_filter_distance) return scene.add_object(name, PointCloud{points, resolution}, pose, padding);
     const auto kept = points_clear_of_robots(scene, points, pose, *self_filter_distance);
     if (kept.empty() && !points.empty())
@@ -95,16 +95,20 @@ void PlannerInterface::add_point_cloud(const std::string& name, const std::vecto
 }
 
 void PlannerInterface::remove_object(const std::string& name) {
-  impl_->change_object(name, [&](Scene& scene) { scene.remove_object(name); });
+  impl_->change([&](Scene& scene) { scene.remove_object(name); });
 }
 
-void PlannerInterface::set_object_pose(const std::string& name, const Pose& pose) { impl_->move_object(name, pose); }
+void PlannerInterface::set_object_pose(const std::string& name, const Pose& pose) {
+  impl_->change([&](Scene& scene) { scene.set_object_pose(name, pose); });
+}
 
 void PlannerInterface::set_padding(const std::string& name, double padding) {
-  if (impl_->scene.robots().contains(name))
-    impl_->change([&](Scene& scene) { scene.set_robot_padding(name, padding); });
-  else
-    impl_->change_object(name, [&](Scene& scene) { scene.set_padding(name, padding); });
+  impl_->change([&](Scene& scene) {
+    if (scene.robots().contains(name))
+      scene.set_robot_padding(name, padding);
+    else
+      scene.set_padding(name, padding);
+  });
 }
 
 void PlannerInterface::attach_object(const std::string& object, const std::string& robot, const std::string& link,
@@ -135,6 +139,7 @@ MoveItProblem PlannerInterface::apply_moveit_request(const std::string& robot, c
 
 void PlannerInterface::reset() {
   impl_->change([](Scene& scene) { scene.reset(); });
+  impl_->checkers.clear();
   impl_->planners.clear();
   impl_->heuristics.clear();
   impl_->motion_limits.clear();

@@ -7,14 +7,6 @@
 
 namespace srmp {
 
-namespace {
-
-/// Each object that was added, removed or replaced takes a checker that follows about a tenth of the time of making
-/// one.
-constexpr std::size_t max_replaced = 8;
-
-}  // namespace
-
 SceneCheckers::SceneCheckers()
     : covers_(std::make_shared<CoverStore>()),
       pair_tables_(std::make_shared<PairTableStore>(covers_->directory())),
@@ -23,25 +15,26 @@ SceneCheckers::SceneCheckers()
 
 const Checker& SceneCheckers::of(const Scene& scene, const std::string& robot, CheckMode mode) {
   scene.robot(robot);  // throws with the nearest name
-  follow_objects(scene);
+  follow(scene);
   std::unique_ptr<SceneChecker>& slot = alone_[{robot, mode}];
   if (!slot) slot = std::make_unique<SceneChecker>(scene, robot, options(mode));
   return *slot;
 }
 
-std::shared_ptr<const ProblemCheckers> SceneCheckers::of(const Scene& scene, const std::vector<std::string>& robots,
-                                                         double clearance, std::size_t threads,
-                                                         const Deadline& deadline) {
-  follow_objects(scene);
+std::shared_ptr<const ProblemCheckers> SceneCheckers::of(const Scene& scene, const Scene& placed,
+                                                         const std::vector<std::string>& robots, double clearance,
+                                                         std::size_t threads, const Deadline& deadline) {
+  follow(scene);
   std::vector<Eigen::VectorXd> others;
-  for (const auto& [name, robot] : scene.robots())
+  for (const auto& [name, robot] : placed.robots())
     if (std::find(robots.begin(), robots.end(), name) == robots.end()) others.push_back(robot.q);
   if (together_ && together_->planning.names() == robots && together_->options.clearance == clearance &&
       others_ == others)
     return together_;
   CheckerOptions options = this->options(CheckMode::exact);
   options.clearance = clearance;
-  auto made = std::make_shared<ProblemCheckers>(scene, robots, options, threads, backend_, deadline);
+  forget_unused();
+  auto made = std::make_shared<ProblemCheckers>(placed, robots, options, threads, backend_, deadline);
   together_ = std::move(made);
   others_ = std::move(others);
   return together_;
@@ -50,7 +43,7 @@ std::shared_ptr<const ProblemCheckers> SceneCheckers::of(const Scene& scene, con
 std::shared_ptr<const ProblemCheckers> SceneCheckers::of_one(const Scene& scene, const std::string& robot,
                                                              double clearance) {
   scene.robot(robot);  // throws with the nearest name
-  follow_objects(scene);
+  follow(scene);
   auto& slot = single_[{robot, clearance > 0.0}];
   if (!slot || slot->options.clearance != clearance) {
     CheckerOptions options = this->options(CheckMode::exact);
@@ -73,37 +66,48 @@ void SceneCheckers::set_backend(CheckerFactory backend) {
   clear();
 }
 
-void SceneCheckers::object_moved(const std::string& name) { changed_.insert(name); }
-
-void SceneCheckers::object_changed(const std::string& name) {
-  changed_.insert(name);
-  replaced_.insert(name);
-  if (replaced_.size() > max_replaced) clear();
-}
-
-void SceneCheckers::follow_objects(const Scene& scene) {
-  if (changed_.empty()) return;
-  const auto can_follow = [&](const auto& checkers) { return !backend_ && checkers.use_count() == 1; };
-  std::erase_if(single_, [&](const auto& entry) { return !can_follow(entry.second); });
-  if (!can_follow(together_)) together_.reset();
+void SceneCheckers::follow(const Scene& scene) {
+  if (is_followed_) return;
+  const SceneChanges changes = changes_between(seen_, scene);
+  if (changes.others || backend_) {
+    clear();
+    seen_ = scene;
+    is_followed_ = true;
+    return;
+  }
+  const auto stands_still_elsewhere = [&](const std::string& planned) {
+    return std::ranges::any_of(changes.robots, [&](const std::string& robot) { return robot != planned; });
+  };
+  const auto forgotten = [&](const auto& entry) { return stands_still_elsewhere(entry.first.first); };
+  const std::size_t forgotten_count = std::erase_if(alone_, forgotten) + std::erase_if(single_, [&](const auto& entry) {
+                                        return forgotten(entry) || entry.second.use_count() > 1;
+                                      });
+  if (forgotten_count > 0) forget_unused();
+  if (together_.use_count() > 1) together_.reset();
   try {
-    for (const auto& [key, checker] : alone_) checker->follow_objects(scene, changed_);
-    for (const auto& [key, checkers] : single_) checkers->follow_objects(scene, changed_);
-    if (together_) together_->follow_objects(scene, changed_);
+    for (const auto& [key, checker] : alone_) checker->follow_objects(scene, changes.objects);
+    for (const auto& [key, checkers] : single_) checkers->follow(scene, changes);
+    if (together_) together_->follow(scene, changes);
+    seen_.follow_objects(scene, changes.objects);
+    for (const std::string& robot : changes.robots) seen_.set_qpos(robot, scene.robot(robot).q);
   } catch (...) {
     clear();
     throw;
   }
-  changed_.clear();
-  replaced_.clear();
+  is_followed_ = true;
 }
 
 void SceneCheckers::clear() {
-  changed_.clear();
-  replaced_.clear();
   alone_.clear();
   single_.clear();
   together_.reset();
+  seen_.reset();
+  is_followed_ = false;
+  forget_unused();
+}
+
+/// Forgets what no checker of this scene and of the last one needed.
+void SceneCheckers::forget_unused() {
   batch_robots_->scene_changed();
   covers_->release_unused();  // those of robots that left the scene
 }

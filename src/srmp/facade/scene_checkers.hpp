@@ -2,7 +2,6 @@
 
 #include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -11,8 +10,9 @@
 
 namespace srmp {
 
-/// Checkers of a scene as it is now, each made when it is first needed and kept until the scene changes. What they
-/// know of robots (sphere covers, tables of pairs of links) stays. Not thread-safe.
+/// Checkers of a scene as it is now, each made when it is first needed. The library's own follow the scene where only
+/// objects change that no robot holds, and where the robots stand that they plan; others are made again. What they know
+/// of robots (sphere covers, tables of pairs of links) stays. Not thread-safe.
 class SceneCheckers {
  public:
   SceneCheckers();
@@ -28,10 +28,12 @@ class SceneCheckers {
   /// Of one robot that moves while the others stand as in `scene`, whose state this must be, and that keeps a clearance
   /// [m]; of clearances above 0, the last one's are kept. Throws as `of`.
   std::shared_ptr<const ProblemCheckers> of_one(const Scene& scene, const std::string& robot, double clearance = 0.0);
-  /// Of robots that move together while the others stand as in `scene`, and that keep a clearance [m]; the last ones
-  /// are kept. Throws PlanningError once the deadline has passed before all are made.
-  std::shared_ptr<const ProblemCheckers> of(const Scene& scene, const std::vector<std::string>& robots,
-                                            double clearance, std::size_t threads, const Deadline& deadline);
+  /// Of robots that move together while the others stand as in `placed`, which differs from `scene` in nothing else,
+  /// and that keep a clearance [m]; the last ones are kept. Throws PlanningError once the deadline has passed before
+  /// all are made.
+  std::shared_ptr<const ProblemCheckers> of(const Scene& scene, const Scene& placed,
+                                            const std::vector<std::string>& robots, double clearance,
+                                            std::size_t threads, const Deadline& deadline);
 
   /// Has the scene's robots prepared in the background, and makes checkers again that this makes faster. Takes
   /// milliseconds for a robot seen for the first time, nothing otherwise.
@@ -42,16 +44,14 @@ class SceneCheckers {
   void set_backend(CheckerFactory backend);
   /// Whether that was done.
   bool has_other_backend() const { return static_cast<bool>(backend_); }
-  /// The scene has changed.
+  /// The scene may have changed: what did is found when checkers are next needed.
+  void scene_changed() { is_followed_ = false; }
+  /// Forgets all checkers.
   void clear();
-  /// An object that no robot holds stands elsewhere, and nothing else has changed: the library's own checkers follow it
-  /// when they are next needed.
-  void object_moved(const std::string& name);
-  /// The same where it was added, removed or replaced; after several of these objects, checkers are made anew.
-  void object_changed(const std::string& name);
 
  private:
-  void follow_objects(const Scene& scene);
+  void follow(const Scene& scene);
+  void forget_unused();
 
   CheckerFactory backend_;  // the user's; none: the library's own
   std::shared_ptr<CoverStore> covers_;
@@ -61,9 +61,9 @@ class SceneCheckers {
   std::map<std::pair<std::string, CheckMode>, std::unique_ptr<SceneChecker>> alone_;
   std::map<std::pair<std::string, bool>, std::shared_ptr<ProblemCheckers>> single_;  // with a clearance or not
   std::shared_ptr<ProblemCheckers> together_;  // of the last robots that moved together
-  std::set<std::string> changed_;              // objects that these checkers have not followed
-  std::set<std::string> replaced_;             // those of them that were not only moved
   std::vector<Eigen::VectorXd> others_;        // where the robots that stand still did for `together_`
+  Scene seen_;                                 // the scene that the checkers are of
+  bool is_followed_{};                         // it has not changed since
 };
 
 }  // namespace srmp

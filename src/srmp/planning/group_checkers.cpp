@@ -65,9 +65,12 @@ std::unique_ptr<const Checker> GroupCheckers::make(const std::string& robot, con
   return backend_ ? backend_(scene_, robot, options) : make_checker(scene_, robot, options);
 }
 
-void GroupCheckers::follow_objects(const Scene& scene, const std::set<std::string>& names) {
-  scene_.follow_objects(scene, names);
-  for (const auto& checker : own_) checker->follow_objects(scene_, names);  // pairs of robots leave objects out
+void GroupCheckers::follow(const Scene& scene, const SceneChanges& changes) {
+  scene_.follow_objects(scene, changes.objects);
+  for (const std::string& name : names_)
+    if (changes.robots.contains(name)) scene_.set_qpos(name, scene.robot(name).q);
+  for (const auto& checker : own_)
+    checker->follow_objects(scene_, changes.objects);  // pairs of robots leave objects out
 }
 
 const Checker* GroupCheckers::pair_by_spheres(std::size_t i, std::size_t j) const {
@@ -82,10 +85,10 @@ const Checker* GroupCheckers::pair_by_spheres(std::size_t i, std::size_t j) cons
   return checker.get();
 }
 
-void ProblemCheckers::follow_objects(const Scene& scene, const std::set<std::string>& names) {
-  planning.follow_objects(scene, names);
-  if (verification_) verification_->follow_objects(scene, names);
-  if (clearance_verification_) clearance_verification_->follow_objects(scene, names);
+void ProblemCheckers::follow(const Scene& scene, const SceneChanges& changes) {
+  planning.follow(scene, changes);
+  if (verification_) verification_->follow(scene, changes);
+  if (clearance_verification_) clearance_verification_->follow(scene, changes);
   with_clearance_.clear();
 }
 

@@ -9,6 +9,7 @@
 
 #include "srmp/collision/checker.hpp"
 #include "srmp/collision/scene_checker.hpp"
+#include "srmp/scene/scene_changes.hpp"
 
 namespace srmp {
 
@@ -23,8 +24,9 @@ class GroupCheckers {
 
   /// Another checker of the scene, by the same backend.
   std::unique_ptr<const Checker> make(const std::string& robot, const CheckerOptions& options) const;
-  /// As SceneChecker::follow_objects; only without a backend of the user's.
-  void follow_objects(const Scene& scene, const std::set<std::string>& names);
+  /// Only objects, and where robots stand that are planned here, have changed: all is as if made anew. Not with a
+  /// backend of the user's.
+  void follow(const Scene& scene, const SceneChanges& changes);
 
   const Scene& scene() const { return scene_; }
   const std::vector<std::string>& names() const { return names_; }
@@ -65,8 +67,8 @@ class ProblemCheckers {
                   std::size_t threads = 1, const CheckerFactory& backend = {}, const Deadline& deadline = {})
       : options(options), planning(scene, robots, options, threads, backend, deadline), threads_(threads) {}
 
-  /// As GroupCheckers::follow_objects, of all of them.
-  void follow_objects(const Scene& scene, const std::set<std::string>& names);
+  /// As GroupCheckers::follow, of all of them.
+  void follow(const Scene& scene, const SceneChanges& changes);
 
   const CheckerOptions options;  ///< of those that plan
   GroupCheckers planning;

@@ -248,32 +248,32 @@ class Builder {
 
 }  // namespace
 
-std::vector<int> BatchScene::follow(const Bodies& bodies, std::span<const FixedChange> changes) {
-  using Kind = FixedChange::Kind;
-  constexpr int changed = -1;
-  bool pairs_changed = false;
-  for (const auto& [kind, index, same_pairs] : changes) {
-    const auto at = part_of_fixed.begin() + static_cast<std::ptrdiff_t>(index);
-    if (kind == Kind::inserted)  // an object is an obstacle
-      part_of_fixed.insert(at, {true, changed});
-    if (kind == Kind::erased) part_of_fixed.erase(at);
-    if (kind == Kind::replaced || kind == Kind::moved) at->number = changed;
-    pairs_changed = pairs_changed || !same_pairs;
-  }
-  std::vector<BatchObstacle> obstacles;
+std::vector<int> BatchScene::follow(const Bodies& bodies, const FixedChanges& changes) {
+  const auto is_changed = [&](std::size_t i) { return changes.before[i] == FixedChanges::changed; };
+  std::vector<Part> parts;
   std::vector<int> before;
-  obstacles.reserve(part_of_fixed.size());
-  before.reserve(part_of_fixed.size());
-  for (std::size_t i = 0; i < part_of_fixed.size(); ++i) {
-    auto& [is_obstacle, number] = part_of_fixed[i];
-    if (!is_obstacle) continue;
-    obstacles.push_back(number == changed ? as_obstacle(bodies.fixed[i], bodies.clearance())
-                                          : std::move(pairs.obstacles[static_cast<std::size_t>(number)]));
-    before.push_back(number);
-    number = static_cast<int>(obstacles.size()) - 1;
+  parts.reserve(bodies.fixed.size());
+  before.reserve(bodies.fixed.size());
+  for (std::size_t i = 0; i < bodies.fixed.size(); ++i) {
+    parts.push_back(is_changed(i) ? Part{true, FixedChanges::changed}  // an object, which is an obstacle
+                                  : part_of_fixed[static_cast<std::size_t>(changes.before[i])]);
+    if (!parts.back().is_obstacle) continue;
+    before.push_back(parts.back().number);
+    parts.back().number = static_cast<int>(before.size()) - 1;
   }
-  pairs.obstacles = std::move(obstacles);
-  if (pairs_changed) make_pairs(bodies);
+  part_of_fixed = std::move(parts);
+  if (!changes.same_pairs) {
+    std::vector<BatchObstacle> obstacles(before.size());
+    for (std::size_t i = 0; i < before.size(); ++i)
+      if (before[i] != FixedChanges::changed)
+        obstacles[i] = std::move(pairs.obstacles[static_cast<std::size_t>(before[i])]);
+    pairs.obstacles = std::move(obstacles);
+  }
+  for (std::size_t i = 0; i < bodies.fixed.size(); ++i)
+    if (is_changed(i))
+      pairs.obstacles[static_cast<std::size_t>(part_of_fixed[i].number)] =
+          as_obstacle(bodies.fixed[i], bodies.clearance());
+  if (!changes.same_pairs) make_pairs(bodies);
   return before;
 }
 

@@ -14,7 +14,7 @@ namespace srmp::detail {
 
 struct Bodies;
 struct FixedBody;
-struct FixedChange;
+struct FixedChanges;
 class RobotGroup;
 
 /// Returns the cover of a link's geometry, not null.
@@ -49,7 +49,7 @@ struct BatchScene {
 
   /// Follows what became of Bodies::fixed, where it was objects that changed. Returns the number before of each
   /// obstacle that is the same, -1 for those that are not.
-  std::vector<int> follow(const Bodies& bodies, std::span<const FixedChange> changes);
+  std::vector<int> follow(const Bodies& bodies, const FixedChanges& changes);
   /// Fills in the pairs, from all else.
   void make_pairs(const Bodies& bodies);
 };

@@ -1,0 +1,68 @@
+#include "srmp/scene/scene_changes.hpp"
+
+#include <algorithm>
+
+namespace srmp {
+
+namespace {
+
+bool same_body(const Object& a, const Object& b) { return a.geometry == b.geometry && a.padding == b.padding; }
+bool same(const Object& a, const Object& b) { return same_body(a, b) && a.pose == b.pose; }
+bool same(bool a, bool b) { return a == b; }
+
+bool same(const Attachment& a, const Attachment& b) {
+  return a.robot == b.robot && a.link == b.link && a.touch_links == b.touch_links;
+}
+
+/// Apart from where the planned joints stand.
+bool same(const RobotInstance& a, const RobotInstance& b) {
+  return a.model == b.model && a.base == b.base && a.other_positions == b.other_positions && a.padding == b.padding;
+}
+
+template <class Value>
+bool same(const std::map<std::string, Value>& a, const std::map<std::string, Value>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& one, const auto& other) {
+    return one.first == other.first && same(one.second, other.second);
+  });
+}
+
+/// visit(name) for all that is in one of two sorted ranges alone, or in both and different.
+template <class Sorted, class Visit>
+void for_each_difference(const Sorted& a, const Sorted& b, Visit&& visit) {
+  auto x = a.begin(), y = b.begin();
+  while (x != a.end() || y != b.end()) {
+    const bool in_a = x != a.end() && (y == b.end() || !(y->first < x->first));
+    const bool in_b = y != b.end() && (x == a.end() || !(x->first < y->first));
+    if (!(in_a && in_b && same(x->second, y->second))) visit((in_a ? x : y)->first);
+    if (in_a) ++x;
+    if (in_b) ++y;
+  }
+}
+
+/// Is there an object of this name in one of them alone, or another one in each?
+bool is_another(const std::string& name, const Scene& before, const Scene& after) {
+  const auto a = before.objects().find(name), b = after.objects().find(name);
+  const bool in_a = a != before.objects().end(), in_b = b != after.objects().end();
+  return in_a && in_b ? !same_body(a->second, b->second) : in_a || in_b;
+}
+
+}  // namespace
+
+SceneChanges changes_between(const Scene& before, const Scene& after) {
+  SceneChanges changes;
+  changes.others = !same(before.robots(), after.robots()) || !same(before.attachments(), after.attachments());
+  if (changes.others) return changes;
+  for (const auto& [name, robot] : after.robots())
+    if (robot.q != before.robot(name).q) changes.robots.insert(name);
+  for_each_difference(before.objects(), after.objects(), [&](const std::string& name) {
+    changes.objects.insert(name);
+    if (after.attachments().contains(name)) changes.others = true;
+  });
+  // Settings of an object come and go with it.
+  for_each_difference(before.allowed_settings(), after.allowed_settings(), [&](const auto& names) {
+    if (!is_another(names.first, before, after) && !is_another(names.second, before, after)) changes.others = true;
+  });
+  return changes;
+}
+
+}  // namespace srmp
