@@ -22,6 +22,14 @@ JointPath path_of_one(RowMatrix positions) {
   return path;
 }
 
+JointPath reversed(JointPath path) {
+  for (RowMatrix& q : path.positions) q = q.colwise().reverse().eval();
+  const double last = path.steps.back();
+  std::ranges::reverse(path.steps);
+  for (double& step : path.steps) step = last - step;
+  return path;
+}
+
 Eigen::VectorXd position_at(const JointPath& path, std::size_t i, double step) {
   const RowMatrix& q = path.positions[i];
   const auto next = std::upper_bound(path.steps.begin(), path.steps.end(), step);

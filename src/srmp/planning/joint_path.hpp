@@ -21,6 +21,8 @@ struct JointPath {
 
 /// The path of the first robot alone, a step for each segment.
 JointPath path_of_one(RowMatrix positions);
+/// From its end to its beginning.
+JointPath reversed(JointPath path);
 /// Where robots[i] is at a step; after the last it is stationary.
 Eigen::VectorXd position_at(const JointPath& path, std::size_t i, double step);
 /// The steps of all, in order, each once.

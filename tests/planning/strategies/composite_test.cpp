@@ -67,31 +67,36 @@ BOOST_AUTO_TEST_CASE(robots_move_one_after_the_other_around_those_that_stand) {
   const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0), bent(0.3, 2.0);
   // The left arm passes the right one, which is straight at its start and bent at its goal: it has to move first.
   FacingArms pair({up, {down}, {up, down}}, {straight, {bent}, {straight, bent}});
-  const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {}, {}, {});
-  BOOST_REQUIRE(found.path.has_value());
-  pair.check_free(*found.path);
-  BOOST_TEST((found.path->positions[0].bottomRows(1).transpose() - down).norm() < 1e-12);
-  BOOST_TEST((found.path->positions[1].bottomRows(1).transpose() - bent).norm() < 1e-12);
-  for (Eigen::Index row = 1; row < found.path->positions[0].rows(); ++row)  // never both at the same time
-    BOOST_TEST(((found.path->positions[0].row(row) == found.path->positions[0].row(row - 1)) ||
-                (found.path->positions[1].row(row) == found.path->positions[1].row(row - 1))));
+  for (const bool backwards : {false, true}) {
+    const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {}, {.backwards = backwards}, {});
+    BOOST_REQUIRE(found.path.has_value());
+    pair.check_free(*found.path);
+    const std::vector<srmp::RowMatrix>& q = found.path->positions;
+    BOOST_TEST((q[0].row(0).transpose() == up && q[1].row(0).transpose() == straight));
+    BOOST_TEST((q[0].bottomRows(1).transpose() - down).norm() < 1e-12);
+    BOOST_TEST((q[1].bottomRows(1).transpose() - bent).norm() < 1e-12);
+    for (Eigen::Index row = 1; row < q[0].rows(); ++row)  // never both at the same time
+      BOOST_TEST((q[0].row(row) == q[0].row(row - 1) || q[1].row(row) == q[1].row(row - 1)));
+  }
 }
 
 BOOST_AUTO_TEST_CASE(robots_that_cannot_pass_at_once_retreat) {
   const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0);
   FacingArms pair({up, {down}, {up, down}}, {straight, {straight}, {straight, Vector2d(0.05, 0.0), straight}});
-  const srmp::OneByOneOptions without{.retreats = 0},
-      with{.attempts_of_all = 16'384, .max_expansions = 4'096, .retreats = 32};
-  BOOST_TEST(!srmp::one_by_one(*pair.world, both, {}, without, {}).path.has_value());
-  const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {}, with, {});
-  BOOST_REQUIRE(found.path.has_value());
-  pair.check_free(*found.path);
-  BOOST_TEST((found.path->positions[0].bottomRows(1).transpose() - down).norm() < 1e-12);
-  BOOST_TEST((found.path->positions[1].bottomRows(1).transpose() - straight).norm() < 1e-12);
-  // The same problem, the same path.
-  const srmp::OneByOneResult again = srmp::one_by_one(*pair.world, both, {}, with, {});
-  BOOST_TEST((again.path->positions[0] == found.path->positions[0]));
-  BOOST_TEST((again.path->positions[1] == found.path->positions[1]));
+  for (const bool backwards : {false, true}) {
+    const srmp::OneByOneOptions without{.backwards = backwards, .retreats = 0},
+        with{.attempts_of_all = 16'384, .backwards = backwards, .max_expansions = 4'096, .retreats = 32};
+    BOOST_TEST(!srmp::one_by_one(*pair.world, both, {}, without, {}).path.has_value());
+    const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {}, with, {});
+    BOOST_REQUIRE(found.path.has_value());
+    pair.check_free(*found.path);
+    const std::vector<srmp::RowMatrix>& q = found.path->positions;
+    BOOST_TEST((q[0].row(0).transpose() == up && q[1].row(0).transpose() == straight));
+    BOOST_TEST((q[0].bottomRows(1).transpose() - down).norm() < 1e-12);
+    BOOST_TEST((q[1].bottomRows(1).transpose() - straight).norm() < 1e-12);
+    // The same problem, the same path.
+    BOOST_TEST((srmp::one_by_one(*pair.world, both, {}, with, {}).path->positions == q));
+  }
 }
 
 BOOST_AUTO_TEST_CASE(robots_move_along_a_known_path_at_the_same_time) {
@@ -99,15 +104,29 @@ BOOST_AUTO_TEST_CASE(robots_move_along_a_known_path_at_the_same_time) {
   const srmp::CompositeSpace space(*pair.world, both);
   const JointPath known = space.path({space.start(), (space.start() + space.targets()[0]) / 2, space.targets()[0]}),
                   elsewhere = space.path({space.start(), space.start() * 0.9});
-  const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {&known}, {}, {});
-  BOOST_REQUIRE(found.path.has_value());
-  BOOST_TEST((found.path->positions == known.positions));
-  BOOST_TEST(found.attempts == 0u);
+  for (const bool backwards : {false, true}) {
+    const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {&known}, {.backwards = backwards}, {});
+    BOOST_REQUIRE(found.path.has_value());
+    for (const std::size_t robot : both)
+      BOOST_TEST((found.path->positions[robot] - known.positions[robot]).norm() < 1e-12);
+    BOOST_TEST(found.attempts == 0u);
+  }
   // A path to other goals is no use.
   const srmp::OneByOneResult other = srmp::one_by_one(*pair.world, both, {&elsewhere}, {}, {}),
                              alone = srmp::one_by_one(*pair.world, both, {}, {}, {});
   BOOST_REQUIRE(other.path.has_value() == alone.path.has_value());
   if (alone.path) BOOST_TEST((other.path->positions == alone.path->positions));
+}
+
+BOOST_AUTO_TEST_CASE(paths_from_their_ends) {
+  srmp::RowMatrix q(3, 2);
+  q << 1, 2, 3, 4, 5, 6;
+  const JointPath path{{0}, {0.0, 1.0, 3.0}, {q}};
+  const JointPath reversed = srmp::reversed(path);
+  BOOST_TEST((reversed.steps == std::vector{0.0, 2.0, 3.0}));
+  for (const double step : {0.0, 0.5, 1.0, 2.0, 3.0})
+    BOOST_TEST((srmp::position_at(reversed, 0, 3.0 - step) - srmp::position_at(path, 0, step)).norm() < 1e-12);
+  BOOST_TEST((srmp::reversed(reversed).positions == path.positions));
 }
 
 BOOST_AUTO_TEST_CASE(no_order_of_robots_leads_to_goals_in_collision) {

@@ -4,40 +4,30 @@
 
 namespace srmp {
 
-CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Others others,
-                               const CompositeSpaceOptions& options)
-    : world_(world), robots_(std::move(robots)), others_(std::move(others)), options_(options) {
+namespace {
+
+/// Combinations of the robots' goals: more find a goal that is easier to reach, and take longer to search.
+constexpr std::size_t max_targets = 16;
+
+}  // namespace
+
+CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Others others)
+    : world_(world), robots_(std::move(robots)), others_(std::move(others)) {
   add_joints();
   for (std::size_t i = 0; i < size(); ++i) part(start_, i) = task(i).start;
   add_targets(0, start_);
-  find_others_near_ends();
 }
 
 CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots,
                                const std::vector<Eigen::VectorXd>& starts, const std::vector<Eigen::VectorXd>& goals,
-                               Others others, const CompositeSpaceOptions& options)
-    : world_(world), robots_(std::move(robots)), others_(std::move(others)), options_(options) {
+                               Others others)
+    : world_(world), robots_(std::move(robots)), others_(std::move(others)) {
   add_joints();
   targets_ = {start_};
   for (std::size_t i = 0; i < size(); ++i) {
     part(start_, i) = starts[i];
     part(targets_.front(), i) = goals[i];
   }
-  find_others_near_ends();
-}
-
-void CompositeSpace::find_others_near_ends() {
-  for (const Standing& other : others_) near_ends_.push_back(!options_.others_by_spheres || !is_clear_of_ends(other));
-}
-
-/// By spheres alone.
-bool CompositeSpace::is_clear_of_ends(const Standing& other) const {
-  const auto is_clear = [&](const Eigen::VectorXd& end) {
-    for (std::size_t i = 0; i < size(); ++i)
-      if (!world_.collision_free_with(robots_[i], part(end, i), other.robot, {&other.q, 1}).front()) return false;
-    return true;
-  };
-  return is_clear(start_) && std::ranges::all_of(targets_, is_clear);
 }
 
 void CompositeSpace::add_joints() {
@@ -52,7 +42,7 @@ void CompositeSpace::add_joints() {
 
 /// The first goals of each robot first.
 void CompositeSpace::add_targets(std::size_t i, Eigen::VectorXd q) {
-  if (targets_.size() >= options_.max_targets) return;
+  if (targets_.size() >= max_targets) return;
   if (i == size()) {
     targets_.push_back(std::move(q));
     return;
@@ -69,12 +59,8 @@ void CompositeSpace::add_targets(std::size_t i, Eigen::VectorXd q) {
   }
 }
 
-bool CompositeSpace::is_end(const Eigen::VectorXd& q) const {
-  return q == start_ || std::find(targets_.begin(), targets_.end(), q) != targets_.end();
-}
-
 bool CompositeSpace::is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
-  const bool at_end = is_end(a) || is_end(b);
+  constexpr MotionQuery start_is_free{.start_is_free = true};
   std::vector<char> moves(size());
   for (std::size_t i = 0; i < size(); ++i) {
     moves[i] = part(a, i) != part(b, i);
@@ -83,16 +69,13 @@ bool CompositeSpace::is_motion_free(const Eigen::VectorXd& a, const Eigen::Vecto
   for (std::size_t i = 0; i < size(); ++i)
     for (std::size_t k = i + 1; k < size(); ++k)
       if ((moves[i] || moves[k]) && !world_.are_collision_free(robots_[i], part(a, i), part(b, i), robots_[k],
-                                                               part(a, k), part(b, k), {true, !at_end}))
+                                                               part(a, k), part(b, k), start_is_free))
         return false;
   for (std::size_t i = 0; i < size(); ++i)
-    for (std::size_t k = 0; k < others_.size(); ++k) {
-      const Standing& other = others_[k];
-      const bool by_spheres = options_.others_by_spheres && !(at_end && near_ends_[k]);
-      if (moves[i] && !world_.are_collision_free(robots_[i], part(a, i), part(b, i), other.robot, other.q, other.q,
-                                                 {true, by_spheres}))
+    for (const Standing& other : others_)
+      if (moves[i] &&
+          !world_.are_collision_free(robots_[i], part(a, i), part(b, i), other.robot, other.q, other.q, start_is_free))
         return false;
-    }
   return true;
 }
 

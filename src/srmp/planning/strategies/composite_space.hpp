@@ -6,13 +6,6 @@
 
 namespace srmp {
 
-struct CompositeSpaceOptions {
-  /// Combinations of the robots' goals, > 0: more find a goal that is easier to reach, and take longer to search.
-  std::size_t max_targets{16};
-  /// Between the ends only spheres tell whether the others are clear of the robots: quicker, and less is free.
-  bool others_by_spheres{false};
-};
-
 /// Robots as one robot with all their joints: where it begins, where it may end, and which of its motions are free.
 /// Robots whose goal is anywhere end where they start.
 class CompositeSpace {
@@ -24,11 +17,10 @@ class CompositeSpace {
   };
   using Others = std::vector<Standing>;
   /// The world outlives this.
-  CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Others others = {},
-                 const CompositeSpaceOptions& options = {});
+  CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Others others = {});
   /// From and to where the robots are collision-free, whatever their tasks: a start and a goal of each.
   CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, const std::vector<Eigen::VectorXd>& starts,
-                 const std::vector<Eigen::VectorXd>& goals, Others others, const CompositeSpaceOptions& options = {});
+                 const std::vector<Eigen::VectorXd>& goals, Others others);
 
   std::size_t size() const { return robots_.size(); }
   const MultiRobotWorld& world() const { return world_; }
@@ -46,7 +38,7 @@ class CompositeSpace {
     return q.segment(first_[i], first_[i + 1] - first_[i]);
   }
 
-  /// `a` is free. Where the robots must be, it matters how near they are exactly; elsewhere spheres are quicker.
+  /// `a` is free. By exact geometry: robots often have to pass each other closely.
   bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
 
   /// Is the configuration free of collisions with the others, which stand still?
@@ -58,20 +50,15 @@ class CompositeSpace {
 
  private:
   void add_joints();
-  void find_others_near_ends();
-  bool is_clear_of_ends(const Standing& other) const;
   void add_targets(std::size_t i, Eigen::VectorXd q);
-  bool is_end(const Eigen::VectorXd& q) const;
 
   MultiRobotWorld& world_;
   std::vector<std::size_t> robots_;
   Others others_;
-  std::vector<char> near_ends_;  // by other: may only the exact geometry tell that the ends are clear of it?
   std::vector<Joint> joints_;
   std::vector<Eigen::Index> first_;
   Eigen::VectorXd start_;
   std::vector<Eigen::VectorXd> targets_;
-  CompositeSpaceOptions options_;
 };
 
 }  // namespace srmp

@@ -64,12 +64,16 @@ Attempt OneByOneStrategy::attempt(const AttemptBudget& budget, const Deadline& d
         &options.known_attempts, &options.known_attempts_of_all})
     *attempts <<= budget.round;
   options.seed = static_cast<std::uint64_t>(budget.round);
-  OneByOneResult found = one_by_one(world_, robots_, known_, options, deadline);
-  statistics_.expansions += found.expansions;
-  statistics_.samples += found.attempts;
-  note_memory(statistics_, found.memory);
-  if (!found.path || found.path->length() > budget.max_cost) return {};
-  return accepted(std::move(*found.path), "one robot after the other");
+  for (const bool backwards : {false, true}) {
+    options.backwards = backwards;
+    OneByOneResult found = one_by_one(world_, robots_, known_, options, deadline);
+    statistics_.expansions += found.expansions;
+    statistics_.samples += found.attempts;
+    note_memory(statistics_, found.memory);
+    if (found.path && found.path->length() <= budget.max_cost)
+      return accepted(std::move(*found.path), "one robot after the other");
+  }
+  return {};
 }
 
 // --- roadmaps

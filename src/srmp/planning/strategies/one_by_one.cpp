@@ -56,13 +56,15 @@ class PlacesSearch {
       : world_(world), robots_(robots), options_(options), deadline_(deadline) {
     for (std::size_t i = 0; i < robots.size(); ++i) {
       const WorldTask& task = world.task(robots[i]);
-      const Path own = task.anywhere ? Path{task.start} : task.single_robot_path;
+      Path own = task.anywhere ? Path{task.start} : task.single_robot_path;
       if (own.empty()) continue;
+      if (options.backwards) std::ranges::reverse(own);
       motions_.push_back(joint_path(world, robots[i], own));
       places_.push_back({own.front(), own.back()});
     }
     for (const JointPath* path : known)
-      if (places_.size() == robots.size() && move_together(*path)) add_known(*path);
+      if (places_.size() == robots.size() && move_together(*path))
+        add_known(options.backwards ? reversed(*path) : *path);
   }
 
   OneByOneResult run() {
@@ -358,7 +360,7 @@ class PlacesSearch {
       starts.push_back(place(i, from[i]));
       goals.push_back(place(i, to[i]));
     }
-    const CompositeSpace space(world_, std::move(moved), starts, goals, std::move(others), {.others_by_spheres = true});
+    const CompositeSpace space(world_, std::move(moved), starts, goals, std::move(others));
     const auto is_free = [&space](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
       return space.is_motion_free(a, b);
     };
@@ -394,6 +396,10 @@ class PlacesSearch {
           if (!stands) q = motion.positions[static_cast<std::size_t>(moved)].row(row).transpose();
           rows[i].push_back(std::move(q));
         }
+    }
+    for (std::size_t i = 0; i < robots_.size() && options_.backwards; ++i) {
+      std::ranges::reverse(rows[i]);
+      rows[i].front() = place(i, at_goal);  // without whole turns
     }
     return joint_path(world_, robots_, rows);
   }

@@ -21,6 +21,7 @@ struct OneByOneOptions {
   std::uint64_t known_attempts{2'048};  ///< the same for robots with a known path that is in conflict
   std::uint64_t known_attempts_of_all{4'096};
   std::uint64_t seed{};               ///< of the trees
+  bool backwards{};                   ///< from the goals to the starts
   std::uint64_t max_expansions{256};  ///< of a search
   /// Of a motion around others that is not known yet [rad, prismatic joints m]: more searches for fewer such motions,
   /// and finds orders with longer detours.
@@ -48,7 +49,9 @@ struct OneByOneResult {
 /// decoupling into sequential plans" (the order, and robots that have to move jointly); Wang, Miao, Bekris 2021,
 /// "Uniform object rearrangement: from complete monotone primitives to efficient non-monotone informed search" (sets of
 /// what has moved, and places in between). Best-first search over the robots' places; motions are found by RRT-Connect,
-/// and only when the search asks for them. Guarantee: the path is free. That none is found says nothing.
+/// and only when the search asks for them. A search from the goals finds at once what the last robots have to pass,
+/// where one from the starts goes through many orders first. Guarantee: the path is free. That none is found says
+/// nothing.
 ///
 /// `robots`: numbers in the world, increasing. Robots that may end anywhere stay where they start. `known`: paths of
 /// some of them, from their starts to their goals, no two of the same robot. Robots that move at the same time there do
