@@ -42,14 +42,13 @@ class Prover {
   Prover(const SceneModel& model, const CubicMotion& motion, SceneWorkspace& workspace, const ProofOptions& options)
       : model_(model),
         motion_(motion),
-        groups_(model.bodies),
+        groups_(model.pair_groups()),
         segments_(motion),
         workspace_(workspace),
         fraction_(1.0 - options.gap_tolerance),
         deadline_(options.deadline),
         range_(motion.positions.cols()) {
     displacements_.resize(model.bodies.moving.size() + model.bodies.envelopes.size());
-    separations_.resize(model.bodies.pairs.size());
     open_.reserve(4 * groups_.size());
   }
 
@@ -112,6 +111,7 @@ class Prover {
   double approach(const Pair& pair);
   double displacement(std::uint32_t body, std::uint64_t support);
   Separation& separation_of(const Pair& pair) {
+    if (separations_.empty()) separations_.resize(model_.bodies.pairs.size());
     return separations_[static_cast<std::size_t>(&pair - model_.bodies.pairs.data())];
   }
   /// The clearance that is to be proved of every pair.
@@ -123,7 +123,7 @@ class Prover {
   MotionProof report(bool free) const;
   const SceneModel& model_;
   const CubicMotion& motion_;
-  PairGroups groups_;
+  const PairGroups& groups_;
   CubicSegments segments_;
   SceneWorkspace& workspace_;
   double fraction_;  // of the clearance that is to be proved
@@ -138,7 +138,7 @@ class Prover {
   int raising_{};      // of pairs that were proved free, but less than the goal
   CubicSegments::Range range_;
   std::vector<Displacement> displacements_;  // by moving body and envelope, in the current interval
-  std::vector<Separation> separations_;      // by pair
+  std::vector<Separation> separations_;      // by pair; empty until one is needed
   std::vector<Open> open_;                   // a stack: those of the current interval on top
   std::vector<Proved> to_sharpen_;           // a heap: less than the goal is proved of these
   std::vector<std::pair<std::uint32_t, std::pair<double, double>>> unproved_;

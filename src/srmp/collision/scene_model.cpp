@@ -57,10 +57,17 @@ SceneModel::SceneModel(const Scene& scene, const RobotGroup& robots, const Check
 
 void SceneModel::follow_objects(const Scene& scene, const std::set<std::string>& names) {
   const std::optional<FixedChanges> changes = bodies.follow_objects(scene, names);
+  pair_groups_.reset();
   if (!batch || !changes) return;
   const std::vector<int> known = batch_scene.follow(bodies, *changes);
   BatchChecker next(*batch, batch_scene.pairs, known);
   batch.emplace(std::move(next));
+}
+
+const PairGroups& SceneModel::pair_groups() const {
+  const std::lock_guard lock(mutex_);
+  if (!pair_groups_) pair_groups_.emplace(bodies);
+  return *pair_groups_;
 }
 
 bool SceneModel::spheres_reach(ConstVector q) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <span>
@@ -11,6 +12,7 @@
 #include "srmp/collision/batch/batch_world.hpp"
 #include "srmp/collision/bodies.hpp"
 #include "srmp/collision/checker.hpp"
+#include "srmp/collision/pair_groups.hpp"
 #include "srmp/collision/pair_table.hpp"
 #include "srmp/collision/robot_group.hpp"
 
@@ -30,6 +32,8 @@ struct SceneModel {
   /// Do the spheres' bounds hold at q? They do for prismatic joints up to 1 m outside their limits
   /// (BatchActuatedJoint::max_travel).
   bool spheres_reach(ConstVector q) const;
+  /// Of the bodies' pairs; found when they are first needed. Any thread may call it.
+  const PairGroups& pair_groups() const;
 
   const RobotGroup& group;
   std::vector<std::shared_ptr<const PairTables>> tables;  // by robot of the group
@@ -38,6 +42,10 @@ struct SceneModel {
   BatchScene batch_scene;
   std::optional<BatchChecker> batch;  // none in CheckMode::coal
   BatchChecker::MotionOptions batch_options;
+
+ private:
+  mutable std::mutex mutex_;                       // of what follows
+  mutable std::optional<PairGroups> pair_groups_;  // none: not known yet
 };
 
 }  // namespace srmp::detail
