@@ -9,6 +9,7 @@
 #include <span>
 #include <sstream>
 
+#include "srmp/facade/scene_checkers.hpp"
 #include "srmp/planner_interface.hpp"
 #include "support/robots.hpp"
 #include "support/throws.hpp"
@@ -177,6 +178,36 @@ BOOST_AUTO_TEST_CASE(an_object_that_comes_back_has_no_allowed_collisions) {
   for (int i = 0; i < 20; ++i) planner.add_box("box" + std::to_string(i), {0.1, 0.1, 0.1}, {.p = {9.0, 0.0, 0.0}});
   planner.add_box("box", {0.5, 0.5, 0.5}, at_the_arm);
   BOOST_TEST(planner.is_state_colliding("left", start));
+}
+
+BOOST_AUTO_TEST_CASE(checkers_are_kept_where_only_objects_and_their_own_robot_change) {
+  PlannerInterface planner = two_arms({{.p = {1.5, 0.0, 0.0}}});
+  srmp::Scene scene = planner.scene();
+  srmp::SceneCheckers checkers;
+  const auto are_kept = [&](auto&& change) {
+    const std::weak_ptr<const srmp::ProblemCheckers> before = checkers.of_one(scene, "left");
+    change();
+    checkers.scene_changed();
+    checkers.of_one(scene, "left");
+    return !before.expired();
+  };
+  BOOST_TEST(are_kept([] {}));
+  BOOST_TEST(are_kept([&] { scene.set_qpos("left", start); }));
+  BOOST_TEST(are_kept([&] {
+    for (int i = 0; i < 30; ++i)
+      scene.add_object("box" + std::to_string(i), srmp::Box{{0.1, 0.1, 0.1}}, {.p = {9.0, 0.0, 0.0}});
+  }));
+  BOOST_TEST(are_kept([&] { scene.remove_object("post0"); }));
+  BOOST_TEST(!are_kept([&] { scene.set_qpos("right", start); }));
+  BOOST_TEST(!are_kept([&] { scene.set_base_pose("left", {{0, 0, 1}, {1, 0, 0, 0}}); }));
+  BOOST_TEST(!are_kept([&] { scene.set_allowed_collision("box0", "left"); }));
+  BOOST_TEST(!are_kept([&] { checkers.clear(); }));
+  const auto held = checkers.of_one(scene, "left");  // one that is in use does not change
+  BOOST_TEST(!held->planning.scene().objects().contains("new"));
+  scene.add_object("new", srmp::Sphere{0.1}, {.p = {9.0, 0.0, 0.0}});
+  checkers.scene_changed();
+  BOOST_TEST(checkers.of_one(scene, "left") != held);
+  BOOST_TEST(!held->planning.scene().objects().contains("new"));
 }
 
 BOOST_AUTO_TEST_CASE(a_backend_of_the_users_makes_its_checkers_again) {

@@ -247,7 +247,7 @@ BOOST_AUTO_TEST_CASE(changes_of_a_scene_are_found) {
   };
   using Names = std::set<std::string>;
   const SceneChanges none = changes([](Scene&) {});
-  BOOST_TEST((none.objects.empty() && none.robots.empty() && !none.others));
+  BOOST_TEST((none.objects.empty() && none.robots.empty() && !none.anything_else));
 
   const SceneChanges objects = changes([](Scene& scene) {
     scene.set_object_pose("ball", {{1, 0, 0}, {1, 0, 0, 0}});
@@ -257,21 +257,33 @@ BOOST_AUTO_TEST_CASE(changes_of_a_scene_are_found) {
     scene.set_padding("table", 0.02);
   });
   BOOST_TEST((objects.objects == Names{"ball", "box", "new", "table"}));
-  BOOST_TEST((objects.robots.empty() && !objects.others));
+  BOOST_TEST((objects.robots.empty() && !objects.anything_else));
   const SceneChanges again = changes([](Scene& scene) {
     scene.remove_object("box");
     scene.add_object("box", Box{{0.1, 0.1, 0.1}}, {});
   });
   BOOST_TEST((again.objects == Names{"box"}));
-  BOOST_TEST(!again.others);
+  BOOST_TEST(!again.anything_else);
 
   const SceneChanges placed = changes([](Scene& scene) { scene.set_qpos("left", Eigen::Vector2d(0.1, 0.2)); });
-  BOOST_TEST((placed.objects.empty() && placed.robots == Names{"left"} && !placed.others));
+  BOOST_TEST((placed.objects.empty() && placed.robots == Names{"left"} && !placed.anything_else));
 
   const std::vector<std::function<void(Scene&)>> others{
       [](Scene& scene) { scene.set_base_pose("left", {{0, 0, 1}, {1, 0, 0, 0}}); },
       [](Scene& scene) { scene.set_robot_padding("left", 0.01); },
       [](Scene& scene) { scene.remove_robot("right"); },
+      [](Scene& scene) {
+        scene.remove_robot("right");
+        scene.add_robot(planar_called("right"), Pose::from_rpy({0, 4, 0}, {0, 0, 0}));
+      },
+      [](Scene& scene) {
+        scene.detach_object("cup");
+        scene.attach_object("cup", "left", "tip");
+      },
+      [](Scene& scene) {
+        scene.detach_object("cup");
+        scene.attach_object("cup", "left", "tip", {"lower"}, Pose{{0, 0, 0.2}, {1, 0, 0, 0}});
+      },
       [](Scene& scene) { scene.add_robot(planar_called("third")); },
       [](Scene& scene) { scene.attach_object("box", "left", "tip"); },
       [](Scene& scene) { scene.detach_object("cup"); },
@@ -284,7 +296,7 @@ BOOST_AUTO_TEST_CASE(changes_of_a_scene_are_found) {
       },
       [](Scene& scene) { scene.clear_allowed_collisions(); },
       [](Scene& scene) { scene.reset(); }};
-  for (std::size_t i = 0; i < others.size(); ++i) BOOST_TEST(changes(others[i]).others, "change " << i);
+  for (std::size_t i = 0; i < others.size(); ++i) BOOST_TEST(changes(others[i]).anything_else, "change " << i);
 }
 
 BOOST_AUTO_TEST_CASE(a_group_goes_with_its_first_object) {

@@ -55,7 +55,8 @@ struct Bodies {
          std::vector<const PairTables*> tables);
 
   /// Objects of these names that no robot holds were added to `scene`, removed, replaced or moved since, and nothing
-  /// else has changed: all that depends on them is as if made anew. Returns what became of `fixed`, in this order.
+  /// else has changed but where the joints of the group stand: all that depends on them is as if made anew. Returns
+  /// what became of `fixed`, if any of it is here.
   std::optional<FixedChanges> follow_objects(const Scene& scene, const std::set<std::string>& names);
 
   /// Is this robot, which is not in the group, left out with all that it holds?

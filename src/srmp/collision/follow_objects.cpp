@@ -7,6 +7,7 @@
 
 #include "srmp/collision/bodies.hpp"
 #include "srmp/collision/contact_rules.hpp"
+#include "srmp/scene/scene_changes.hpp"
 
 namespace srmp::detail {
 
@@ -26,7 +27,7 @@ void keep(std::vector<Value>& values, Update&& update) {
 class Bodies::Following {
  public:
   Following(Bodies& bodies, const Scene& scene)
-      : bodies_(bodies), scene_(scene), now_(bodies.fixed.size()), is_other_(bodies.fixed.size()) {
+      : bodies_(bodies), scene_(scene), now_(bodies.fixed.size()), is_new_(bodies.fixed.size()) {
     const auto begin = bodies.fixed.begin();
     const auto is_link = [](const FixedBody& body) { return body.kind == BodyKind::link; };
     const auto first =
@@ -64,9 +65,9 @@ class Bodies::Following {
       return;
     }
     changes_.before[index] = FixedChanges::changed;
-    if (exists && is_same(bodies_.fixed[index], object->second)) return move(index, object->second.pose);
+    if (exists && is_same_body(bodies_.fixed[index], object->second)) return move(index, object->second.pose);
     keep_example(index);
-    is_other_[index] = true;
+    is_new_[index] = true;
     if (exists) {
       bodies_.fixed[index] = bodies_.free_object(object->second);
     } else {
@@ -82,10 +83,6 @@ class Bodies::Following {
     const auto by_name = [](const FixedBody& body, const std::string& other) { return body.name < other; };
     return static_cast<std::size_t>(std::lower_bound(begin + first_object_, begin + end_of_objects_, name, by_name) -
                                     begin);
-  }
-
-  static bool is_same(const FixedBody& body, const Object& object) {
-    return body.geometry == object.geometry && body.padding == object.padding;
   }
 
   void move(std::size_t index, const Pose& pose) {
@@ -107,41 +104,41 @@ class Bodies::Following {
   /// Puts the new bodies among those that stay, which get other numbers.
   void renumber() {
     std::vector<FixedBody> fixed;
-    std::vector<char> is_other;
+    std::vector<char> is_new;
     std::vector<int> before;
     fixed.reserve(bodies_.fixed.size() + inserted_.size());
     auto next = inserted_.begin();
     for (std::size_t i = 0; i <= bodies_.fixed.size(); ++i) {
       for (; next != inserted_.end() && next->place == i; ++next) {
         fixed.push_back(bodies_.free_object(*next->object));
-        is_other.push_back(true);
+        is_new.push_back(true);
         before.push_back(FixedChanges::changed);
       }
       if (i == bodies_.fixed.size() || now_[i] == gone) continue;
       now_[i] = static_cast<int>(fixed.size());
       fixed.push_back(std::move(bodies_.fixed[i]));
-      is_other.push_back(is_other_[i]);
+      is_new.push_back(is_new_[i]);
       before.push_back(changes_.before[i]);
     }
     bodies_.fixed = std::move(fixed);
-    is_other_ = std::move(is_other);
+    is_new_ = std::move(is_new);
     changes_.before = std::move(before);
   }
 
   /// Gives a body the number that it has now; false: it has no pairs of before.
   bool update(std::uint32_t& number) const {
     const int now = now_[number];
-    if (now == gone || is_other_[static_cast<std::size_t>(now)]) return false;
+    if (now == gone || is_new_[static_cast<std::size_t>(now)]) return false;
     number = static_cast<std::uint32_t>(now);
     return true;
   }
 
   void update_pairs() {
-    if (std::ranges::none_of(is_other_, [](char other) { return other; }) && !renumbered_) {
+    if (std::ranges::none_of(is_new_, [](char other) { return other; }) && !renumbered_) {
       changes_.same_pairs = true;
       return;
     }
-    std::vector<Pair> own = pairs_of_others();
+    std::vector<Pair> own = pairs_of_new();
     if (!renumbered_ && replace(own)) {
       changes_.same_pairs = true;
     } else {
@@ -165,19 +162,19 @@ class Bodies::Following {
   }
 
   /// Pairs of moving bodies and of those that are new or replaced.
-  std::vector<Pair> pairs_of_others() {
+  std::vector<Pair> pairs_of_new() {
     ContactRules rules(scene_, bodies_.group_, false);
     const std::vector<PairSide> of_moving = rules.sides(bodies_.moving);
-    std::vector<std::pair<std::uint32_t, PairSide>> others, links;  // links that stand still, and what they hold
-    for (std::uint32_t i = 0; i < is_other_.size(); ++i)
-      if (is_other_[i] || bodies_.fixed[i].robot == 0)
-        (is_other_[i] ? others : links).emplace_back(i, rules.side(bodies_.fixed[i]));
+    std::vector<std::pair<std::uint32_t, PairSide>> added, links;  // links that stand still, and what they hold
+    for (std::uint32_t i = 0; i < is_new_.size(); ++i)
+      if (is_new_[i] || bodies_.fixed[i].robot == 0)
+        (is_new_[i] ? added : links).emplace_back(i, rules.side(bodies_.fixed[i]));
     std::vector<Pair> pairs;
     for (std::size_t i = 0; i < of_moving.size(); ++i)
-      for (const auto& [j, other] : others)
+      for (const auto& [j, other] : added)
         if (rules.count(of_moving[i], other)) pairs.push_back(bodies_.pair_of(of_moving[i], i, other, true, j));
     for (const auto& [i, link] : links)
-      for (const auto& [j, other] : others)
+      for (const auto& [j, other] : added)
         if (rules.count(link, other)) fixed_pairs_.emplace_back(i, j);
     return pairs;
   }
@@ -186,7 +183,7 @@ class Bodies::Following {
   bool replace(const std::vector<Pair>& own) {
     std::vector<Pair*> before;
     for (Pair& pair : bodies_.pairs)
-      if (pair.b_fixed && is_other_[pair.b]) before.push_back(&pair);
+      if (pair.b_fixed && is_new_[pair.b]) before.push_back(&pair);
     const auto bodies = [](const Pair& pair) { return std::pair(pair.a, pair.b); };
     if (!std::ranges::equal(before, own, {}, [&](const Pair* pair) { return bodies(*pair); }, bodies)) return false;
     for (std::size_t i = 0; i < own.size(); ++i) *before[i] = own[i];
@@ -229,7 +226,7 @@ class Bodies::Following {
   std::vector<int> now_;  // of each fixed body before: its number now, or gone
   FixedChanges changes_;
   std::vector<Insertion> inserted_;
-  std::vector<char> is_other_;                                        // by fixed body: it is new or replaced
+  std::vector<char> is_new_;                                          // by fixed body: it is new or replaced
   std::vector<std::pair<std::uint32_t, std::uint32_t>> fixed_pairs_;  // of those, with links that stand still
 };
 

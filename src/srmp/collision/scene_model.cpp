@@ -57,8 +57,9 @@ SceneModel::SceneModel(const Scene& scene, const RobotGroup& robots, const Check
 
 void SceneModel::follow_objects(const Scene& scene, const std::set<std::string>& names) {
   const std::optional<FixedChanges> changes = bodies.follow_objects(scene, names);
+  if (!changes) return;
   pair_groups_.reset();
-  if (!batch || !changes) return;
+  if (!batch) return;
   const std::vector<int> known = batch_scene.follow(bodies, *changes);
   BatchChecker next(*batch, batch_scene.pairs, known);
   batch.emplace(std::move(next));

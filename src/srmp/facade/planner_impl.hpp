@@ -41,9 +41,10 @@ struct PlannerInterface::Impl {
     result.reset();
   }
 
-  /// Planners and the last request go with their robots.
+  /// Planners, checkers and the last request go with their robots.
   template <class Gone>
   void forget(Gone&& gone) {
+    checkers.clear();
     std::erase_if(planners,
                   [&](const auto& entry) { return std::any_of(entry.first.begin(), entry.first.end(), gone); });
     if (request && std::visit([&](const auto& last) { return names_any(last, gone); }, *request)) request.reset();

@@ -33,7 +33,7 @@ std::shared_ptr<const ProblemCheckers> SceneCheckers::of(const Scene& scene, con
     return together_;
   CheckerOptions options = this->options(CheckMode::exact);
   options.clearance = clearance;
-  forget_unused();
+  if (together_ && others_ != others) forget_unused();
   auto made = std::make_shared<ProblemCheckers>(placed, robots, options, threads, backend_, deadline);
   together_ = std::move(made);
   others_ = std::move(others);
@@ -69,7 +69,7 @@ void SceneCheckers::set_backend(CheckerFactory backend) {
 void SceneCheckers::follow(const Scene& scene) {
   if (is_followed_) return;
   const SceneChanges changes = changes_between(seen_, scene);
-  if (changes.others || backend_) {
+  if (changes.anything_else || backend_) {
     clear();
     seen_ = scene;
     is_followed_ = true;
@@ -106,7 +106,7 @@ void SceneCheckers::clear() {
   forget_unused();
 }
 
-/// Forgets what no checker of this scene and of the last one needed.
+/// Forgets what no checker needed since the last call and the one before.
 void SceneCheckers::forget_unused() {
   batch_robots_->scene_changed();
   covers_->release_unused();  // those of robots that left the scene

@@ -6,8 +6,7 @@ namespace srmp {
 
 namespace {
 
-bool same_body(const Object& a, const Object& b) { return a.geometry == b.geometry && a.padding == b.padding; }
-bool same(const Object& a, const Object& b) { return same_body(a, b) && a.pose == b.pose; }
+bool same(const Object& a, const Object& b) { return is_same_body(a, b) && a.pose == b.pose; }
 bool same(bool a, bool b) { return a == b; }
 
 bool same(const Attachment& a, const Attachment& b) {
@@ -43,24 +42,25 @@ void for_each_difference(const Sorted& a, const Sorted& b, Visit&& visit) {
 bool is_another(const std::string& name, const Scene& before, const Scene& after) {
   const auto a = before.objects().find(name), b = after.objects().find(name);
   const bool in_a = a != before.objects().end(), in_b = b != after.objects().end();
-  return in_a && in_b ? !same_body(a->second, b->second) : in_a || in_b;
+  return in_a && in_b ? !is_same_body(a->second, b->second) : in_a || in_b;
 }
 
 }  // namespace
 
 SceneChanges changes_between(const Scene& before, const Scene& after) {
   SceneChanges changes;
-  changes.others = !same(before.robots(), after.robots()) || !same(before.attachments(), after.attachments());
-  if (changes.others) return changes;
+  changes.anything_else = !same(before.robots(), after.robots()) || !same(before.attachments(), after.attachments());
+  if (changes.anything_else) return changes;
   for (const auto& [name, robot] : after.robots())
     if (robot.q != before.robot(name).q) changes.robots.insert(name);
   for_each_difference(before.objects(), after.objects(), [&](const std::string& name) {
     changes.objects.insert(name);
-    if (after.attachments().contains(name)) changes.others = true;
+    if (after.attachments().contains(name)) changes.anything_else = true;
   });
   // Settings of an object come and go with it.
   for_each_difference(before.allowed_settings(), after.allowed_settings(), [&](const auto& names) {
-    if (!is_another(names.first, before, after) && !is_another(names.second, before, after)) changes.others = true;
+    if (!is_another(names.first, before, after) && !is_another(names.second, before, after))
+      changes.anything_else = true;
   });
   return changes;
 }

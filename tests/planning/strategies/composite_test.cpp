@@ -111,11 +111,13 @@ BOOST_AUTO_TEST_CASE(robots_move_along_a_known_path_at_the_same_time) {
       BOOST_TEST((found.path->positions[robot] - known.positions[robot]).norm() < 1e-12);
     BOOST_TEST(found.attempts == 0u);
   }
-  // A path to other goals is no use.
-  const srmp::OneByOneResult other = srmp::one_by_one(*pair.world, both, {&elsewhere}, {}, {}),
-                             alone = srmp::one_by_one(*pair.world, both, {}, {}, {});
-  BOOST_REQUIRE(other.path.has_value() == alone.path.has_value());
-  if (alone.path) BOOST_TEST((other.path->positions == alone.path->positions));
+  for (const bool backwards : {false, true}) {  // a path to other goals is no use
+    const srmp::OneByOneOptions options{.backwards = backwards};
+    const srmp::OneByOneResult other = srmp::one_by_one(*pair.world, both, {&elsewhere}, options, {}),
+                               alone = srmp::one_by_one(*pair.world, both, {}, options, {});
+    BOOST_REQUIRE(other.path.has_value() == alone.path.has_value());
+    if (alone.path) BOOST_TEST((other.path->positions == alone.path->positions));
+  }
 }
 
 BOOST_AUTO_TEST_CASE(paths_from_their_ends) {
@@ -131,7 +133,11 @@ BOOST_AUTO_TEST_CASE(paths_from_their_ends) {
 
 BOOST_AUTO_TEST_CASE(no_order_of_robots_leads_to_goals_in_collision) {
   FacingArms apart(Vector2d(0.0, 0.0));  // both straight: the robots collide
-  BOOST_TEST(!srmp::one_by_one(*apart.world, both, {}, {}, {}).path.has_value());
+  for (const bool backwards : {false, true}) {
+    const srmp::OneByOneResult found = srmp::one_by_one(*apart.world, both, {}, {.backwards = backwards}, {});
+    BOOST_TEST(!found.path.has_value());
+    if (backwards) BOOST_TEST(found.attempts == 0u);  // there is no state to begin in
+  }
 }
 
 BOOST_AUTO_TEST_CASE(roadmaps_give_shorter_paths_for_smaller_weights) {

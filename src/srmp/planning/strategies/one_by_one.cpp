@@ -39,7 +39,8 @@ bool move_together(const JointPath& path) {
   return false;
 }
 
-/// The search over the robots' places; a search::BestFirstProblem.
+/// The search over the robots' places; a search::BestFirstProblem. Backwards, the robots start at their goals, and
+/// their starts are the goals.
 class PlacesSearch {
  public:
   /// By robot: the number of its place: its start, its goal, then its retreats.
@@ -121,12 +122,13 @@ class PlacesSearch {
     bool in_pairs{};  // of two robots
   };
 
-  /// Of the robots that have to move, if the path ends at the goals of their own paths.
+  /// Of the robots that have to move, if the path leads from the starts to the goals of their own paths.
   void add_known(const JointPath& path) {
     Known known{{}, motions_.size()};
     for (std::size_t n = 0; n < path.robots.size(); ++n) {
       const auto i = static_cast<std::size_t>(std::ranges::find(robots_, path.robots[n]) - robots_.begin());
       const RowMatrix& q = path.positions[n];
+      if (model(i).difference(q.row(0).transpose(), place(i, at_start)).norm() > 1e-12) return;
       if (model(i).difference(q.row(q.rows() - 1).transpose(), place(i, at_goal)).norm() > 1e-12) return;
       if (motions_[i].size() > 1) known.robots.push_back(i);
     }
@@ -136,6 +138,9 @@ class PlacesSearch {
 
   std::optional<JointPath> find() {
     if (places_.size() < robots_.size()) return std::nullopt;  // a robot has no path of its own
+    const State root(robots_.size(), at_start);
+    for (std::size_t i = 0; i < robots_.size(); ++i)
+      if (options_.backwards && !is_place_free(i, root)) return std::nullopt;
     if (auto path = search_as_known_first()) return path;
     for (std::size_t i = 0; i < robots_.size(); ++i) add_retreats(i);
     goal_weight_ = options_.goal_weight_with_retreats;
@@ -399,7 +404,11 @@ class PlacesSearch {
     }
     for (std::size_t i = 0; i < robots_.size() && options_.backwards; ++i) {
       std::ranges::reverse(rows[i]);
-      rows[i].front() = place(i, at_goal);  // without whole turns
+      const Eigen::VectorXd first = rows[i].front();
+      for (Eigen::VectorXd& q : rows[i]) {
+        if (q != first) break;
+        q = place(i, at_goal);  // the start itself, without whole turns
+      }
     }
     return joint_path(world_, robots_, rows);
   }

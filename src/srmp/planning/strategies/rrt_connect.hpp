@@ -14,8 +14,8 @@ namespace srmp {
 struct RrtConnectBudget {
   bool alone{true};  ///< nothing else searches: no limit but the deadline; the rest does not matter
   /// Beside others, a round ends when this fraction of all motions checked since the beginning, and the first ones,
-  /// were checked by the trees: more finds paths in narrow places earlier, less leaves easy lattices more time. These
-  /// take about five times the time for each of theirs, so an eighth of the time is theirs.
+  /// were checked by the trees: more finds paths in narrow places earlier, less leaves easy lattices more time. A
+  /// motion of a lattice takes about five times the time of one of the trees, so lattices have a seventh of the time.
   double fraction{31.0 / 32.0};
   std::uint64_t first_checks{128};       ///< motions
   std::uint64_t attempts_per_check{16};  ///< attempts between two checks of the budget
