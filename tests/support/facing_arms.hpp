@@ -16,8 +16,8 @@ namespace robots {
 ///     left ──────── ──────── right
 struct FacingArms {
   explicit FacingArms(const Eigen::Vector2d& goal = {-1.2, 0.0}) : FacingArms(task_to(goal), task_to(goal)) {}
-  FacingArms(const srmp::WorldTask& left, const srmp::WorldTask& right) {
-    srmp::RobotDescription description = planar_description();
+  FacingArms(const srmp::WorldTask& left, const srmp::WorldTask& right, const std::string& first_joint = "revolute") {
+    srmp::RobotDescription description = planar_description(first_joint);
     description.name = "left";
     planner.add_articulation(description);
     description.name = "right";

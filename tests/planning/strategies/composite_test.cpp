@@ -99,6 +99,23 @@ BOOST_AUTO_TEST_CASE(robots_that_cannot_pass_at_once_retreat) {
   }
 }
 
+BOOST_AUTO_TEST_CASE(robots_that_turn_round_begin_exactly_at_their_starts) {
+  const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0);
+  // The right arm does not move, so the left one goes round by pi, though its own path goes by 0.
+  FacingArms pair({up, {down}, {up, down}}, {straight, {straight}, {straight}}, "continuous");
+  for (const bool backwards : {false, true}) {
+    const srmp::OneByOneOptions options{.attempts = 4'096, .attempts_of_all = 16'384, .backwards = backwards};
+    const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {}, options, {});
+    BOOST_REQUIRE(found.path.has_value());
+    pair.check_free(*found.path);
+    const std::vector<srmp::RowMatrix>& q = found.path->positions;
+    BOOST_TEST((q[0].row(0).transpose() == up && q[1].row(0).transpose() == straight));
+    BOOST_TEST(std::abs(q[0](q[0].rows() - 1, 0) - (2 * M_PI - 1.2)) < 1e-12);
+    for (Eigen::Index row = 1; row < q[0].rows(); ++row)
+      BOOST_TEST((q[0].row(row) - q[0].row(row - 1)).cwiseAbs().maxCoeff() < M_PI);
+  }
+}
+
 BOOST_AUTO_TEST_CASE(robots_move_along_a_known_path_at_the_same_time) {
   FacingArms pair;
   const srmp::CompositeSpace space(*pair.world, both);
