@@ -9,7 +9,6 @@
 #include "srmp/core/utf8.hpp"
 #include "srmp/geometry/distance_field.hpp"
 #include "srmp/robot/joint_names.hpp"
-#include "srmp/scene/scene_changes.hpp"
 #include "srmp/scene/shape_geometry.hpp"
 
 namespace srmp {
@@ -407,12 +406,15 @@ void Scene::follow_objects(const Scene& other, const std::set<std::string>& name
     if (attachments_.contains(name) || other.attachments_.contains(name))
       throw InvalidArgument("object '" + name + "' is attached; a scene follows only objects that no robot holds");
   for (const std::string& name : names)
-    if (const auto found = other.objects_.find(name); found == other.objects_.end())
+    if (const auto found = other.objects_.find(name); found == other.objects_.end()) {
       objects_.erase(name);
-    else if (const auto own = objects_.find(name); own != objects_.end() && is_same_body(own->second, found->second))
-      own->second.pose = found->second.pose;  // its shape may be large
-    else
+    } else if (const auto own = objects_.find(name);
+               own != objects_.end() && own->second.geometry == found->second.geometry) {
+      own->second.pose = found->second.pose;  // not the shape, which may be large
+      own->second.padding = found->second.padding;
+    } else {
       objects_.insert_or_assign(name, found->second);
+    }
   groups_ = other.groups_;
   allowed_ = other.allowed_;
 }
