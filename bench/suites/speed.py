@@ -157,6 +157,11 @@ def best(call: Callable[[], Any], repeats: int = REPEATS) -> tuple[float | None,
     return min(seconds for seconds, _ in (cpu(call) for _ in range(repeats)) if seconds is not None), result
 
 
+def more(seconds: float | None, than: float | None) -> dict[str, Any]:
+    """By how much; None where there is no plan."""
+    return {"seconds": None if seconds is None or than is None else seconds - than, "cost": None}
+
+
 def over_problems(
     data: str, problems: str, robot: str, geometry: str, scenario: str, options: Mapping[str, Any], measure: Any
 ) -> Measured:
@@ -209,7 +214,7 @@ def first(data: str, problems: str, robot: str, geometry: str, scenario: str) ->
     def measure(planner: srmp.PlannerInterface, plan: Callable[[], Any]) -> dict[str, Any]:
         once, _ = cpu(plan)
         later, _ = best(plan)
-        return {"seconds": None if once is None or later is None else once - later, "cost": None}
+        return more(once, later)
 
     return over_problems(data, problems, robot, geometry, scenario, PATH_ONLY, measure)
 
@@ -223,7 +228,7 @@ def after_other_work(data: str, problems: str, robot: str, geometry: str, scenar
         later, _ = best(plan)
         sorted(str(number) for number in range(20000))
         once, _ = cpu(plan)
-        return {"seconds": None if once is None or later is None else once - later, "cost": None}
+        return more(once, later)
 
     return over_problems(data, problems, robot, geometry, scenario, PATH_ONLY, measure)
 
@@ -249,7 +254,7 @@ def with_box(kind: str, change: Callable[[srmp.PlannerInterface, srmp.Pose], Non
         return planner.plan("arm", start, goal)
 
     after, _ = best(with_change, 50)
-    return {kind: {"seconds": None if still is None or after is None else after - still, "cost": None}}
+    return {kind: more(after, still)}
 
 
 def moved(data: str, problems: str) -> Measured:

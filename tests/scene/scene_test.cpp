@@ -238,7 +238,7 @@ BOOST_AUTO_TEST_CASE(a_scene_follows_the_objects_of_another) {
 BOOST_AUTO_TEST_CASE(changes_of_a_scene_are_found) {
   Scene before = two_planars();
   before.add_object("box", Box{{0.1, 0.1, 0.1}}, {});
-  before.add_object("ball", Sphere{0.1}, {});
+  before.add_object("sphere", Sphere{0.1}, {});
   before.set_allowed_collision("box", "table");
   const auto changes = [&](auto&& change) {
     Scene after = before;
@@ -250,13 +250,13 @@ BOOST_AUTO_TEST_CASE(changes_of_a_scene_are_found) {
   BOOST_TEST((none.objects.empty() && none.robots.empty() && !none.anything_else));
 
   const SceneChanges objects = changes([](Scene& scene) {
-    scene.set_object_pose("ball", {{1, 0, 0}, {1, 0, 0, 0}});
+    scene.set_object_pose("sphere", {{1, 0, 0}, {1, 0, 0, 0}});
     scene.remove_object("box");  // its setting goes with it
     scene.add_object("new", Sphere{0.1}, {});
     scene.set_allowed_collision("new", "left");
     scene.set_padding("table", 0.02);
   });
-  BOOST_TEST((objects.objects == Names{"ball", "box", "new", "table"}));
+  BOOST_TEST((objects.objects == Names{"box", "new", "sphere", "table"}));
   BOOST_TEST((objects.robots.empty() && !objects.anything_else));
   const SceneChanges again = changes([](Scene& scene) {
     scene.remove_object("box");
@@ -287,12 +287,12 @@ BOOST_AUTO_TEST_CASE(changes_of_a_scene_are_found) {
       [](Scene& scene) { scene.add_robot(planar_called("third")); },
       [](Scene& scene) { scene.attach_object("box", "left", "tip"); },
       [](Scene& scene) { scene.detach_object("cup"); },
-      [](Scene& scene) { scene.set_allowed_collision("ball", "table"); },
+      [](Scene& scene) { scene.set_allowed_collision("sphere", "table"); },
       [](Scene& scene) { scene.set_allowed_collision("box", "table", false); },
       [](Scene& scene) { scene.set_allowed_collision("left", "right"); },
       [](Scene& scene) {  // the pairs of an object that only moved are those of before
-        scene.set_object_pose("ball", {{1, 0, 0}, {1, 0, 0, 0}});
-        scene.set_allowed_collision("ball", "left");
+        scene.set_object_pose("sphere", {{1, 0, 0}, {1, 0, 0, 0}});
+        scene.set_allowed_collision("sphere", "left");
       },
       [](Scene& scene) { scene.clear_allowed_collisions(); },
       [](Scene& scene) { scene.reset(); }};

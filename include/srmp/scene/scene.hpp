@@ -119,8 +119,8 @@ class Scene {
   const std::map<std::pair<std::string, std::string>, bool>& allowed_settings() const { return allowed_; }
 
   /// Objects of these names become what they are in `other`: added, changed or removed. All groups and allowed
-  /// collisions become those of `other`; robots and attachments stay. Throws InvalidArgument for an
-  /// object that is attached in one of them.
+  /// collisions become those of `other`; robots and attachments stay. Throws InvalidArgument for an object that is
+  /// attached in one of them.
   void follow_objects(const Scene& other, const std::set<std::string>& names);
 
   // --- the content, by name

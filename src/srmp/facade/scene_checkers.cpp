@@ -75,14 +75,12 @@ void SceneCheckers::follow(const Scene& scene) {
     is_followed_ = true;
     return;
   }
-  const auto stands_still_elsewhere = [&](const std::string& planned) {
-    return std::ranges::any_of(changes.robots, [&](const std::string& robot) { return robot != planned; });
+  const auto others_moved = [&](const auto& entry) {
+    return std::ranges::any_of(changes.robots, [&](const std::string& robot) { return robot != entry.first.first; });
   };
-  const auto forgotten = [&](const auto& entry) { return stands_still_elsewhere(entry.first.first); };
-  const std::size_t forgotten_count = std::erase_if(alone_, forgotten) + std::erase_if(single_, [&](const auto& entry) {
-                                        return forgotten(entry) || entry.second.use_count() > 1;
-                                      });
-  if (forgotten_count > 0) forget_unused();
+  const auto cannot_follow = [&](const auto& entry) { return others_moved(entry) || entry.second.use_count() > 1; };
+  const std::size_t forgotten = std::erase_if(alone_, others_moved) + std::erase_if(single_, cannot_follow);
+  if (forgotten > 0) forget_unused();
   if (together_.use_count() > 1) together_.reset();
   try {
     for (const auto& [key, checker] : alone_) checker->follow_objects(scene, changes.objects);

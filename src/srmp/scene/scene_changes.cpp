@@ -1,7 +1,5 @@
 #include "srmp/scene/scene_changes.hpp"
 
-#include <algorithm>
-
 namespace srmp {
 
 namespace {
@@ -18,16 +16,9 @@ bool same(const RobotInstance& a, const RobotInstance& b) {
   return a.model == b.model && a.base == b.base && a.other_positions == b.other_positions && a.padding == b.padding;
 }
 
-template <class Value>
-bool same(const std::map<std::string, Value>& a, const std::map<std::string, Value>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& one, const auto& other) {
-    return one.first == other.first && same(one.second, other.second);
-  });
-}
-
-/// visit(name) for all that is in one of two sorted ranges alone, or in both and different.
-template <class Sorted, class Visit>
-void for_each_difference(const Sorted& a, const Sorted& b, Visit&& visit) {
+/// visit(key) for all that is in one of two maps alone, or in both and different.
+template <class Map, class Visit>
+void for_each_difference(const Map& a, const Map& b, Visit&& visit) {
   auto x = a.begin(), y = b.begin();
   while (x != a.end() || y != b.end()) {
     const bool in_a = x != a.end() && (y == b.end() || !(y->first < x->first));
@@ -49,7 +40,9 @@ bool is_another(const std::string& name, const Scene& before, const Scene& after
 
 SceneChanges changes_between(const Scene& before, const Scene& after) {
   SceneChanges changes;
-  changes.anything_else = !same(before.robots(), after.robots()) || !same(before.attachments(), after.attachments());
+  const auto is_anything_else = [&](const std::string&) { changes.anything_else = true; };
+  for_each_difference(before.robots(), after.robots(), is_anything_else);
+  for_each_difference(before.attachments(), after.attachments(), is_anything_else);
   if (changes.anything_else) return changes;
   for (const auto& [name, robot] : after.robots())
     if (robot.q != before.robot(name).q) changes.robots.insert(name);

@@ -1,3 +1,4 @@
+#include <array>
 #include <boost/test/unit_test.hpp>
 
 #include "srmp/planner_interface.hpp"
@@ -36,6 +37,17 @@ class Slow final : public srmp::Checker {
   std::optional<srmp::Contact> do_nearest(srmp::ConstVector, Workspace&) const override { return std::nullopt; }
 };
 
+/// The path is free and leads both from `from`, exactly, to `to`.
+void check_path(FacingArms& pair, const JointPath& path, const std::array<Vector2d, 2>& from,
+                const std::array<Vector2d, 2>& to) {
+  pair.check_free(path);
+  for (const std::size_t robot : both) {
+    const srmp::RowMatrix& q = path.positions[robot];
+    BOOST_TEST((q.row(0).transpose() == from[robot]));
+    BOOST_TEST((q.bottomRows(1).transpose() - to[robot]).norm() < 1e-12);
+  }
+}
+
 }  // namespace
 
 BOOST_AUTO_TEST_SUITE(composite)
@@ -70,11 +82,8 @@ BOOST_AUTO_TEST_CASE(robots_move_one_after_the_other_around_those_that_stand) {
   for (const bool backwards : {false, true}) {
     const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {}, {.backwards = backwards}, {});
     BOOST_REQUIRE(found.path.has_value());
-    pair.check_free(*found.path);
+    check_path(pair, *found.path, {up, straight}, {down, bent});
     const std::vector<srmp::RowMatrix>& q = found.path->positions;
-    BOOST_TEST((q[0].row(0).transpose() == up && q[1].row(0).transpose() == straight));
-    BOOST_TEST((q[0].bottomRows(1).transpose() - down).norm() < 1e-12);
-    BOOST_TEST((q[1].bottomRows(1).transpose() - bent).norm() < 1e-12);
     for (Eigen::Index row = 1; row < q[0].rows(); ++row)  // never both at the same time
       BOOST_TEST((q[0].row(row) == q[0].row(row - 1) || q[1].row(row) == q[1].row(row - 1)));
   }
@@ -89,13 +98,9 @@ BOOST_AUTO_TEST_CASE(robots_that_cannot_pass_at_once_retreat) {
     BOOST_TEST(!srmp::one_by_one(*pair.world, both, {}, without, {}).path.has_value());
     const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {}, with, {});
     BOOST_REQUIRE(found.path.has_value());
-    pair.check_free(*found.path);
-    const std::vector<srmp::RowMatrix>& q = found.path->positions;
-    BOOST_TEST((q[0].row(0).transpose() == up && q[1].row(0).transpose() == straight));
-    BOOST_TEST((q[0].bottomRows(1).transpose() - down).norm() < 1e-12);
-    BOOST_TEST((q[1].bottomRows(1).transpose() - straight).norm() < 1e-12);
+    check_path(pair, *found.path, {up, straight}, {down, straight});
     // The same problem, the same path.
-    BOOST_TEST((srmp::one_by_one(*pair.world, both, {}, with, {}).path->positions == q));
+    BOOST_TEST((srmp::one_by_one(*pair.world, both, {}, with, {}).path->positions == found.path->positions));
   }
 }
 
@@ -107,12 +112,10 @@ BOOST_AUTO_TEST_CASE(robots_that_turn_round_begin_exactly_at_their_starts) {
     const srmp::OneByOneOptions options{.attempts = 4'096, .attempts_of_all = 16'384, .backwards = backwards};
     const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {}, options, {});
     BOOST_REQUIRE(found.path.has_value());
-    pair.check_free(*found.path);
-    const std::vector<srmp::RowMatrix>& q = found.path->positions;
-    BOOST_TEST((q[0].row(0).transpose() == up && q[1].row(0).transpose() == straight));
-    BOOST_TEST(std::abs(q[0](q[0].rows() - 1, 0) - (2 * M_PI - 1.2)) < 1e-12);
-    for (Eigen::Index row = 1; row < q[0].rows(); ++row)
-      BOOST_TEST((q[0].row(row) - q[0].row(row - 1)).cwiseAbs().maxCoeff() < M_PI);
+    check_path(pair, *found.path, {up, straight}, {Vector2d(2 * M_PI - 1.2, 0.0), straight});
+    const srmp::RowMatrix& q = found.path->positions[0];
+    for (Eigen::Index row = 1; row < q.rows(); ++row)
+      BOOST_TEST((q.row(row) - q.row(row - 1)).cwiseAbs().maxCoeff() < M_PI);
   }
 }
 
