@@ -24,7 +24,8 @@ using detail::Separation;
 namespace {
 
 constexpr double rough_distance =
-    0.3;  // of an interval's motion: smaller distances are not refined, it is halved anyway
+    0.3;                           // of an interval's motion: smaller distances are not refined, it is halved anyway
+constexpr double much_less = 0.9;  // times a distance of meshes
 constexpr double likely_gain =
     0.1;  // of an interval's motion: by so much its parts may be farther apart in the middle than it is
 constexpr double finest_motion = Checker::motion_floor / 4.0;  // [m]; shorter intervals are left unproved
@@ -93,7 +94,9 @@ class Prover {
     return stopped();
   }
   void place_at(const Interval& interval);
-  void find_nearest_at(Eigen::Index row, double enough);
+  void find_nearest_at(Eigen::Index row);
+  double distance_within(const Pair& pair, double margin, double enough);
+  void note_if_nearer(const Pair& pair);
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
   bool prove_halves(const Interval& interval, std::size_t first, std::size_t count);
   bool prove_group(const Open& open, const Interval& interval);
@@ -117,7 +120,8 @@ class Prover {
   /// The clearance that is to be proved of every pair.
   double goal() const { return fraction_ > 0.0 ? fraction_ * clearance_ : 0.0; }
   void note_proved(const Proved& proved);
-  bool note_distance(const Pair& pair, double distance);
+  bool note_distance(const Pair& pair, double distance, bool exact);
+  bool is_single_row() const { return motion_.positions.rows() == 1; }
   void leave_unproved(const Interval& interval, std::uint32_t pair);
   bool refine_nearest();
   MotionProof report(bool free) const;
@@ -129,6 +133,7 @@ class Prover {
   double fraction_;  // of the clearance that is to be proved
   const Deadline* deadline_;
   double clearance_{infinity};  // the smallest distance found, less padding
+  bool is_exact_{true};         // or that of any two near primitives of meshes
   const Pair* nearest_{};
   double nearest_time_{};
   Eigen::VectorXd nearest_configuration_;
@@ -145,11 +150,13 @@ class Prover {
   std::vector<std::pair<double, std::uint32_t>> order_;
 };
 
-/// Notes that the pair has this distance at the current configuration; false: it is in contact.
-bool Prover::note_distance(const Pair& pair, double distance) {
+/// Notes that the pair has this distance at the current configuration, or no more if that is not `exact`; false: it is
+/// in contact.
+bool Prover::note_distance(const Pair& pair, double distance, bool exact) {
   const double clearance = distance - pair.padding;
   if (clearance < clearance_) {
     clearance_ = clearance;
+    is_exact_ = exact;
     nearest_ = &pair;
     nearest_time_ = range_.time;
     nearest_configuration_ = range_.middle;
@@ -167,10 +174,32 @@ void Prover::note_proved(const Proved& proved) {
   std::push_heap(to_sharpen_.begin(), to_sharpen_.end());
 }
 
-/// Finds a pair that is about the nearest at a row, so that pairs farther away need no distance later. `enough`: any
-/// distance of two primitives of a pair that is no more than this will do for the pair's. Once the deadline has passed,
-/// the pair that may be the nearest is checked alone.
-void Prover::find_nearest_at(Eigen::Index row, double enough) {
+/// The distance of the pair at the current configuration if it is at most `margin`, else infinity. Of meshes any
+/// distance of two primitives that is at most `enough` will do.
+double Prover::distance_within(const Pair& pair, double margin, double enough) {
+  if (!pair.solid && margin < infinity && workspace_.hull_distance(pair, margin, infinity) == infinity) return infinity;
+  return workspace_.distance(pair, margin, enough);
+}
+
+/// Notes the distance of the pair if it is less than what was found before. Of meshes, distances of any two primitives
+/// will do until there are none that are much less: the distance itself takes far longer.
+void Prover::note_if_nearer(const Pair& pair) {
+  if (pair.solid || is_single_row()) {
+    const double found = distance_within(pair, clearance_ + pair.padding, 0.0);
+    if (found < infinity) note_distance(pair, found, true);
+    return;
+  }
+  while (clearance_ > NarrowPhase::contact_distance) {
+    const double margin = much_less * clearance_ + pair.padding;
+    const double found = distance_within(pair, margin, infinity);  // a bit above the margin it may be
+    if (found == infinity || found > margin) return;
+    note_distance(pair, found, false);
+  }
+}
+
+/// Finds a pair that is about the nearest at a row, so that pairs farther away need no distance later. Once the
+/// deadline has passed, the pair that may be the nearest is checked alone.
+void Prover::find_nearest_at(Eigen::Index row) {
   range_.time = motion_.times[row];
   range_.middle = motion_.positions.row(row).transpose();
   workspace_.place(range_.middle);
@@ -183,22 +212,17 @@ void Prover::find_nearest_at(Eigen::Index row, double enough) {
     std::push_heap(order_.begin(), order_.end(), nearest_first);
   };
   for (std::size_t i = 0; i < groups_.size(); ++i) add(groups_.number(i));
-  const bool may_stop = motion_.positions.rows() > 1;  // a single row has no other check
   for (bool first = true; !order_.empty();) {
     std::pop_heap(order_.begin(), order_.end(), nearest_first);
     const auto [bound, i] = order_.back();
     order_.pop_back();
-    if (bound >= clearance_ || (may_stop && !first && stopped())) return;
+    if (bound >= clearance_ || (!is_single_row() && !first && stopped())) return;  // a single row has no other check
     if (groups_.is_group(i)) {
       for (const std::uint32_t member : groups_.members_of(i)) add(member);
       continue;
     }
     first = false;
-    const Pair& pair = groups_.pair_of(i);
-    const double margin = clearance_ + pair.padding;
-    if (!pair.solid && margin < infinity && workspace_.hull_distance(pair, margin, infinity) == infinity) continue;
-    const double found = workspace_.distance(pair, margin, enough);
-    if (found < infinity) note_distance(pair, found);
+    note_if_nearer(groups_.pair_of(i));
   }
 }
 
@@ -244,7 +268,7 @@ Prover::Check Prover::check(const Pair& pair, double motion, double required) {
   // No distance could prove it.
   if (bound > pair.padding || !workspace_.in_contact(pair, {.use_tables = false}))
     return {CollisionStatus::undecided, 0.0, false, bound + likely_gain * motion - pair.padding};
-  note_distance(pair, pair.padding);
+  note_distance(pair, pair.padding, true);
   return {CollisionStatus::colliding};
 }
 
@@ -264,10 +288,10 @@ Prover::Check Prover::measure(const Pair& pair, double motion, double required) 
     if (!finest && hulls > suffices) return {CollisionStatus::undecided, 0.0, true, hulls - pair.padding - required};
   }
   const double touching = pair.padding + NarrowPhase::contact_distance;
-  double found = workspace_.distance(pair, margin, pair.padding + rough_distance * motion);
+  double enough = pair.padding + rough_distance * motion, found = workspace_.distance(pair, margin, enough);
   if (found == infinity) return {CollisionStatus::free, goal()};
-  if (finest && found > touching && !pair.solid) found = workspace_.distance(pair, margin, touching);
-  if (!note_distance(pair, found)) return {CollisionStatus::colliding};
+  if (finest && found > touching && !pair.solid) found = workspace_.distance(pair, margin, enough = touching);
+  if (!note_distance(pair, found, pair.solid || found > enough)) return {CollisionStatus::colliding};
   // What passes is the pair's distance: one that is only of two of its primitives is less than the motion.
   if (found > least) return {CollisionStatus::free, found - least};
   if (pair.solid) {
@@ -400,8 +424,8 @@ bool Prover::sharpen() {
 /// The distance noted of the nearest pair may have been that of any two near primitives: computes the pair's own.
 /// False: they are in contact. After the deadline, what was noted has to do.
 bool Prover::refine_nearest() {
-  const bool too_late = motion_.positions.rows() > 1 && stopped();
-  if (!nearest_ || nearest_->solid || too_late) return clearance_ > NarrowPhase::contact_distance;
+  const bool too_late = !is_single_row() && stopped();
+  if (!nearest_ || is_exact_ || too_late) return clearance_ > NarrowPhase::contact_distance;
   workspace_.place(nearest_configuration_);
   const double found = workspace_.distance(*nearest_, clearance_ + nearest_->padding, 0.0) - nearest_->padding;
   clearance_ = std::min(clearance_, found);
@@ -414,8 +438,8 @@ MotionProof Prover::run() {
   for (std::size_t k = 0; k < model_.group.actuated_joints().size(); ++k) active |= std::uint64_t{1} << k;
   workspace_.start_any_motion(active);
   if (fraction_ > 0.0 || last == 0)
-    for (const Eigen::Index row : {last / 2, Eigen::Index{0}, last}) find_nearest_at(row, last == 0 ? 0.0 : infinity);
-  bool free = refine_nearest();
+    for (const Eigen::Index row : {last / 2, Eigen::Index{0}, last}) find_nearest_at(row);
+  bool free = clearance_ > NarrowPhase::contact_distance;
   if (free && last > 0) {
     open_.clear();
     for (std::size_t i = 0; i < groups_.size(); ++i) open_.push_back({.pair = groups_.number(i), .levels = 0});

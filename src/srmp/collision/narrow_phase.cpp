@@ -14,6 +14,8 @@
 #include <limits>
 #include <optional>
 
+#include "srmp/collision/oriented_box.hpp"
+
 namespace srmp::detail {
 
 namespace {
@@ -27,6 +29,9 @@ constexpr double single_precision = 1e-6;
 
 /// When GJK runs out of iterations, its distance is too large by less than this [m].
 constexpr double unconverged = 1e-3;
+
+/// GJK proves within these whether a box is too far away, or what is in it is visited.
+constexpr std::size_t node_iterations = 4;
 
 constexpr unsigned steps_per_poll = 64;  // distances of solids, or of bounding boxes
 
@@ -118,29 +123,8 @@ int FormulaTable::index(const coal::CollisionGeometry& a, const coal::CollisionG
 
 namespace {
 
-/// A box, its edges along the columns of `axes`.
-struct OrientedBox {
-  Eigen::Matrix3d axes;
-  Eigen::Vector3d center, half;
-};
-
 OrientedBox box_around(const Placed& body) {
   return {body.pose.linear(), body.pose * body.bounds.box_center, body.bounds.box_half};
-}
-
-OrientedBox transformed(const Eigen::Isometry3d& by, const PrimitiveBvh::Node& node) {
-  return {by.linear() * node.axes, by * node.center, node.half};
-}
-
-/// A lower bound of the squared distance of two boxes: along the axes of either.
-template <class A, class B>
-double squared_distance_bound(const A& a, const B& b) {
-  const Eigen::Vector3d offset = b.center - a.center;
-  const Eigen::Matrix3d rotation = a.axes.transpose() * b.axes, absolute = rotation.cwiseAbs();
-  const Eigen::Vector3d along_a = a.axes.transpose() * offset, along_b = b.axes.transpose() * offset;
-  const Eigen::Vector3d of_a = (along_a.cwiseAbs() - a.half - absolute * b.half).cwiseMax(0.0);
-  const Eigen::Vector3d of_b = (along_b.cwiseAbs() - b.half - absolute.transpose() * a.half).cwiseMax(0.0);
-  return std::max(of_a.squaredNorm(), of_b.squaredNorm());
 }
 
 Eigen::Vector3d middle_of(const PrimitiveBvh& tree, std::size_t primitive) {
@@ -179,6 +163,13 @@ class SeparatingAxes {
   std::array<Axis, 3> axes_;
   std::size_t count_{};
 };
+
+/// The unit vector along which GJK separated two solids, in the frame of the first; none near contact.
+std::optional<Eigen::Vector3d> separating_axis(const coal::details::GJK& gjk) {
+  const double length = gjk.ray.norm();
+  if (!(length > NarrowPhase::contact_distance)) return std::nullopt;
+  return gjk.ray / length;
+}
 
 /// A primitive of a BVH as one of Coal's shapes.
 class PrimitiveShape {
@@ -240,6 +231,7 @@ struct Corners {
 struct NarrowPhase::Impl {
   std::vector<std::unique_ptr<Functor>> formulas;
   coal::details::GJK gjk{coal::GJK_DEFAULT_MAX_ITERATIONS, coal::GJK_DEFAULT_TOLERANCE};
+  coal::details::GJK short_gjk{node_iterations, coal::GJK_DEFAULT_TOLERANCE};
   coal::details::MinkowskiDiff difference;
   coal::CollisionRequest request;
   coal::CollisionResult result;
@@ -247,9 +239,17 @@ struct NarrowPhase::Impl {
     double squared_distance_bound;
     std::uint32_t a, b;
   };
+  /// What GJK found of a solid and a box around primitives, with which it begins at the next box.
+  struct NearBox {
+    explicit NearBox(const Eigen::Vector3d& guess) : ray(guess) {}
+    Eigen::Vector3d ray;                                                      // in the solid's frame
+    coal::support_func_guess_t vertices{coal::support_func_guess_t::Zero()};  // hints
+    Eigen::Vector3d point;                                                    // of the solid, in the tree's frame
+  };
   std::vector<Open> open;
-  SeparatingAxes axes;       // in this query
-  int separation_queries{};  // in this query
+  SeparatingAxes axes;              // in this query
+  int separation_queries{};         // in this query
+  std::optional<NearBox> last_box;  // in this query
   coal::Box box{1, 1, 1};
   std::function<void()> poll = [] {};
   unsigned steps{};
@@ -260,14 +260,12 @@ struct NarrowPhase::Impl {
   double run_gjk(const Eigen::Vector3d& guess, double margin,
                  const coal::support_func_guess_t& hint = coal::support_func_guess_t::Zero());
   double gap_across(const Eigen::Vector3d& direction) const;
-  std::optional<Eigen::Vector3d> separating_axis() const;
-  void add_axis_of_solid(const Eigen::Isometry3d& to_tree);
+  void add_axis_of_solid(const coal::details::GJK& separated, const Eigen::Isometry3d& to_tree);
   void add_axis(const Eigen::Isometry3d& to_a);
   double by_formula(int formula, const Placed& a, const Placed& b, double margin);
   double solid_to_primitive(const Placed& solid, const PrimitiveBvh& tree, std::size_t primitive,
                             const Eigen::Isometry3d& to_tree, PrimitiveShape& shape, double margin);
-  double solid_to_node(const Placed& solid, const PrimitiveBvh::Node& node, const Eigen::Isometry3d& to_tree,
-                       double margin);
+  bool is_beyond(const Placed& solid, const PrimitiveBvh::Node& node, const Eigen::Isometry3d& to_tree, double limit);
   bool is_kept_separated(const Eigen::Isometry3d& pose, const Part& a, const Part& b,
                          const StaysSeparated& stays_separated);
   double solid_to_primitives(const Placed& solid, const Placed& other, double margin, double enough,
@@ -342,25 +340,18 @@ double NarrowPhase::Impl::gap_across(const Eigen::Vector3d& direction) const {
   return std::max(0.0, direction.dot(a - b) / length - difference.swept_sphere_radius.sum());
 }
 
-/// The unit vector along which GJK separated the two of `difference`, in the frame of the first; none near contact.
-std::optional<Eigen::Vector3d> NarrowPhase::Impl::separating_axis() const {
-  const double length = gjk.ray.norm();
-  if (!(length > contact_distance)) return std::nullopt;
-  return gjk.ray / length;
-}
-
 /// Keeps the axis that separates the primitives of a and b that GJK ran for last. `to_a`: from the frame of b.
 void NarrowPhase::Impl::add_axis(const Eigen::Isometry3d& to_a) {
-  if (const auto axis = separating_axis())
+  if (const auto axis = separating_axis(gjk))
     axes.add({*axis, to_a.linear().transpose() * *axis, -axis->dot(to_a.translation())});
 }
 
 /// The same of the solid and a primitive. The solid's projection is part of the offset.
-void NarrowPhase::Impl::add_axis_of_solid(const Eigen::Isometry3d& to_tree) {
-  const auto axis = separating_axis();
+void NarrowPhase::Impl::add_axis_of_solid(const coal::details::GJK& separated, const Eigen::Isometry3d& to_tree) {
+  const auto axis = separating_axis(separated);
   if (!axis) return;
   const Eigen::Vector3d in_tree = to_tree.linear() * *axis;
-  coal::support_func_guess_t vertices = gjk.support_hint;
+  coal::support_func_guess_t vertices = separated.support_hint;
   Eigen::Vector3d nearest, of_primitive;
   difference.support(-*axis, nearest, of_primitive, vertices);
   axes.add(
@@ -416,14 +407,32 @@ double NarrowPhase::Impl::solid_to_primitive(const Placed& solid, const Primitiv
   return run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), margin);
 }
 
-/// The distance to the box around primitives: a solid may be far from its own bounding box.
-double NarrowPhase::Impl::solid_to_node(const Placed& solid, const PrimitiveBvh::Node& node,
-                                        const Eigen::Isometry3d& to_tree, double margin) {
+/// Is the box around primitives farther from the solid than `limit`? A solid may be far from its own bounding box. What
+/// it says is proved; a box that is hardly farther may pass.
+bool NarrowPhase::Impl::is_beyond(const Placed& solid, const PrimitiveBvh::Node& node, const Eigen::Isometry3d& to_tree,
+                                  double limit) {
+  const auto distance_along = [&](const SeparatingAxes::Axis& axis) {
+    return axis.offset - support_along(axis.in_b, node);
+  };
+  if (axes.separate(limit, distance_along)) return true;
+  if (last_box && squared_distance(last_box->point, node) <= limit * limit) return false;
+  if (!last_box) {
+    const Eigen::Vector3d guess = to_tree.linear().transpose() * (to_tree * solid.bounds.center - node.center);
+    last_box.emplace(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0));
+  }
+  count_step();
   box.halfSide = node.half;
   difference.set(static_cast<const coal::ShapeBase*>(solid.geometry), &box, transform(to_tree),
                  coal::Transform3s(node.axes, node.center));
-  const Eigen::Vector3d guess = to_tree.linear().transpose() * (to_tree * solid.bounds.center - node.center);
-  return run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), margin + tolerance);
+  short_gjk.setDistanceEarlyBreak(limit + tolerance);
+  short_gjk.evaluate(difference, last_box->ray, last_box->vertices);
+  const coal::details::GJK::Simplex& simplex = *short_gjk.getSimplex();
+  last_box->point = to_tree * simplex.vertex[simplex.rank - 1]->w0;
+  last_box->vertices = short_gjk.support_hint;
+  if (short_gjk.ray.squaredNorm() > 1e-12) last_box->ray = short_gjk.ray;
+  if (short_gjk.status != coal::details::GJK::NoCollisionEarlyStopped) return false;
+  add_axis_of_solid(short_gjk, to_tree);
+  return true;
 }
 
 /// The nearer of the two is visited first; what is too far is not visited.
@@ -446,6 +455,7 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
   double best = infinity, limit = margin + tolerance;
   axes.clear();
   separation_queries = 0;
+  last_box.reset();
   const auto bound_to = [&](std::uint32_t node) { return squared_distance_bound(tree.nodes()[node], box); };
   open.assign(1, {bound_to(0), 0, 0});
   while (!open.empty()) {
@@ -455,9 +465,7 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
     if (next.squared_distance_bound > limit * limit) continue;
     const PrimitiveBvh::Node& node = tree.nodes()[next.a];
     if (node.size == 0) {
-      if (fills_its_box_badly && node.half.squaredNorm() < size &&
-          solid_to_node(solid, node, to_tree, limit) == infinity)
-        continue;
+      if (fills_its_box_badly && node.half.squaredNorm() < size && is_beyond(solid, node, to_tree, limit)) continue;
       push_nearer_last({bound_to(next.a + 1), next.a + 1, 0}, {bound_to(node.right), node.right, 0}, limit);
       continue;
     }
@@ -467,7 +475,7 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
       };
       if (axes.separate(limit, distance_along)) continue;
       const double found = solid_to_primitive(solid, tree, i, to_tree, shape, std::min(margin, best));
-      if (by_gjk) add_axis_of_solid(to_tree);
+      if (by_gjk) add_axis_of_solid(gjk, to_tree);
       if (found >= best) continue;
       if (by_gjk && found > contact_distance &&
           is_kept_separated(solid.pose, {}, {&tree, i, &other.pose}, stays_separated))
@@ -488,10 +496,11 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
   double best = infinity, limit = margin + tolerance;
   axes.clear();
   separation_queries = 0;
-  const auto entry = [&](std::uint32_t i, std::uint32_t j) {
-    return Open{squared_distance_bound(tree_a.nodes()[i], transformed(to_a, tree_b.nodes()[j])), i, j};
+  const auto box_of_b = [&](std::uint32_t j) { return transformed(to_a, tree_b.nodes()[j]); };
+  const auto entry = [&](std::uint32_t i, std::uint32_t j, const OrientedBox& b_box) {
+    return Open{squared_distance_bound(tree_a.nodes()[i], b_box), i, j};
   };
-  open.assign(1, entry(0, 0));
+  open.assign(1, entry(0, 0, box_of_b(0)));
   while (!open.empty()) {
     count_step();
     const Open next = open.back();
@@ -500,11 +509,13 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
     const PrimitiveBvh::Node &node_a = tree_a.nodes()[next.a], &node_b = tree_b.nodes()[next.b];
     const bool leaf_a = node_a.size > 0, leaf_b = node_b.size > 0;
     if (!leaf_a && (leaf_b || node_a.half.squaredNorm() >= node_b.half.squaredNorm())) {
-      push_nearer_last(entry(next.a + 1, next.b), entry(node_a.right, next.b), limit);
+      const OrientedBox b_box = box_of_b(next.b);
+      push_nearer_last(entry(next.a + 1, next.b, b_box), entry(node_a.right, next.b, b_box), limit);
       continue;
     }
     if (!leaf_b) {
-      push_nearer_last(entry(next.a, next.b + 1), entry(next.a, node_b.right), limit);
+      push_nearer_last(entry(next.a, next.b + 1, box_of_b(next.b + 1)),
+                       entry(next.a, node_b.right, box_of_b(node_b.right)), limit);
       continue;
     }
     for (std::size_t i = node_a.first; i < node_a.first + node_a.size; ++i)
