@@ -85,10 +85,10 @@ BOOST_AUTO_TEST_CASE(every_box_of_a_bvh_contains_its_primitives) {
       for (std::size_t k = node.first; k < node.first + node.size; ++k) ++seen[k];
       double outside = 0;
       corners(i, [&](const Vector3d& corner) {
-        const Vector3d local = node.axes.transpose() * (corner - node.center);
-        outside = std::max(outside, (local.cwiseAbs() - node.half).maxCoeff());
+        const Vector3d local = node.box.axes().transpose() * (corner - node.box.middle());
+        outside = std::max(outside, (local.cwiseAbs() - node.box.half_edges()).maxCoeff());
       });
-      BOOST_TEST(outside < 1e-9);
+      BOOST_TEST(outside <= 0.0);
     }
     BOOST_TEST((std::count(seen.begin(), seen.end(), 1) == static_cast<std::ptrdiff_t>(seen.size())));
   }

@@ -14,8 +14,6 @@
 #include <limits>
 #include <optional>
 
-#include "srmp/collision/oriented_box.hpp"
-
 namespace srmp::detail {
 
 namespace {
@@ -123,8 +121,24 @@ int FormulaTable::index(const coal::CollisionGeometry& a, const coal::CollisionG
 
 namespace {
 
+/// A box, its edges along the columns of `axes`.
+struct OrientedBox {
+  Eigen::Matrix3d axes;
+  Eigen::Vector3d center, half;
+};
+
 OrientedBox box_around(const Placed& body) {
   return {body.pose.linear(), body.pose * body.bounds.box_center, body.bounds.box_half};
+}
+
+/// A lower bound of the squared distance of two boxes: along the axes of either.
+double squared_distance_bound(const OrientedBox& a, const OrientedBox& b) {
+  const Eigen::Vector3d offset = b.center - a.center;
+  const Eigen::Matrix3d rotation = a.axes.transpose() * b.axes, absolute = rotation.cwiseAbs();
+  const Eigen::Vector3d along_a = a.axes.transpose() * offset, along_b = b.axes.transpose() * offset;
+  const Eigen::Vector3d of_a = (along_a.cwiseAbs() - a.half - absolute * b.half).cwiseMax(0.0);
+  const Eigen::Vector3d of_b = (along_b.cwiseAbs() - b.half - absolute.transpose() * a.half).cwiseMax(0.0);
+  return std::max(of_a.squaredNorm(), of_b.squaredNorm());
 }
 
 Eigen::Vector3d middle_of(const PrimitiveBvh& tree, std::size_t primitive) {
@@ -236,7 +250,7 @@ struct NarrowPhase::Impl {
   coal::CollisionRequest request;
   coal::CollisionResult result;
   struct Open {
-    double squared_distance_bound;
+    float squared_distance_bound;
     std::uint32_t a, b;
   };
   /// What GJK found of a solid and a box around primitives, with which it begins at the next box.
@@ -412,18 +426,18 @@ double NarrowPhase::Impl::solid_to_primitive(const Placed& solid, const Primitiv
 bool NarrowPhase::Impl::is_beyond(const Placed& solid, const PrimitiveBvh::Node& node, const Eigen::Isometry3d& to_tree,
                                   double limit) {
   const auto distance_along = [&](const SeparatingAxes::Axis& axis) {
-    return axis.offset - support_along(axis.in_b, node);
+    return axis.offset - support_along(axis.in_b, node.box);
   };
   if (axes.separate(limit, distance_along)) return true;
-  if (last_box && squared_distance(last_box->point, node) <= limit * limit) return false;
+  if (last_box && squared_distance(last_box->point, node.box) <= limit * limit) return false;
   if (!last_box) {
-    const Eigen::Vector3d guess = to_tree.linear().transpose() * (to_tree * solid.bounds.center - node.center);
+    const Eigen::Vector3d guess = to_tree.linear().transpose() * (to_tree * solid.bounds.center - node.box.middle());
     last_box.emplace(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0));
   }
   count_step();
-  box.halfSide = node.half;
+  box.halfSide = node.box.half_edges();
   difference.set(static_cast<const coal::ShapeBase*>(solid.geometry), &box, transform(to_tree),
-                 coal::Transform3s(node.axes, node.center));
+                 coal::Transform3s(node.box.axes(), node.box.middle()));
   short_gjk.setDistanceEarlyBreak(limit + tolerance);
   short_gjk.evaluate(difference, last_box->ray, last_box->vertices);
   const coal::details::GJK::Simplex& simplex = *short_gjk.getSimplex();
@@ -447,16 +461,19 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
                                               const StaysSeparated& stays_separated) {
   const PrimitiveBvh& tree = *other.bvh;
   const Eigen::Isometry3d to_tree = other.pose.inverse(Eigen::Isometry) * solid.pose;
-  const OrientedBox box{to_tree.linear(), to_tree * solid.bounds.box_center, solid.bounds.box_half};
+  const RoundedBox box(to_tree.linear(), to_tree * solid.bounds.box_center, solid.bounds.box_half);
+  const BoxDistances distances(Eigen::Isometry3d::Identity(), tree.nodes()[0].box.reach(), box.reach());
   PrimitiveShape shape(tree);
   const bool by_gjk = !is_cube_and_sphere(tree, solid);
   const bool fills_its_box_badly = dynamic_cast<const coal::ConvexBase*>(solid.geometry) != nullptr;
-  const double size = solid.bounds.box_half.squaredNorm();  // hardly any larger box is beside the solid, not its box
+  const float size = box.half.squaredNorm();  // hardly any larger box is beside the solid, not its box
   double best = infinity, limit = margin + tolerance;
   axes.clear();
   separation_queries = 0;
   last_box.reset();
-  const auto bound_to = [&](std::uint32_t node) { return squared_distance_bound(tree.nodes()[node], box); };
+  const auto bound_to = [&](std::uint32_t node) {
+    return distances.squared_bound(tree.nodes()[node].box, box, static_cast<float>(limit * limit));
+  };
   open.assign(1, {bound_to(0), 0, 0});
   while (!open.empty()) {
     count_step();
@@ -465,7 +482,7 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
     if (next.squared_distance_bound > limit * limit) continue;
     const PrimitiveBvh::Node& node = tree.nodes()[next.a];
     if (node.size == 0) {
-      if (fills_its_box_badly && node.half.squaredNorm() < size && is_beyond(solid, node, to_tree, limit)) continue;
+      if (fills_its_box_badly && node.box.half.squaredNorm() < size && is_beyond(solid, node, to_tree, limit)) continue;
       push_nearer_last({bound_to(next.a + 1), next.a + 1, 0}, {bound_to(node.right), node.right, 0}, limit);
       continue;
     }
@@ -496,9 +513,10 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
   double best = infinity, limit = margin + tolerance;
   axes.clear();
   separation_queries = 0;
-  const auto box_of_b = [&](std::uint32_t j) { return transformed(to_a, tree_b.nodes()[j]); };
-  const auto entry = [&](std::uint32_t i, std::uint32_t j, const OrientedBox& b_box) {
-    return Open{squared_distance_bound(tree_a.nodes()[i], b_box), i, j};
+  const BoxDistances distances(to_a, tree_a.nodes()[0].box.reach(), tree_b.nodes()[0].box.reach());
+  const auto box_of_b = [&](std::uint32_t j) { return distances.in_a(tree_b.nodes()[j].box); };
+  const auto entry = [&](std::uint32_t i, std::uint32_t j, const RoundedBox& b_box) {
+    return Open{distances.squared_bound(tree_a.nodes()[i].box, b_box, static_cast<float>(limit * limit)), i, j};
   };
   open.assign(1, entry(0, 0, box_of_b(0)));
   while (!open.empty()) {
@@ -508,8 +526,8 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
     if (next.squared_distance_bound > limit * limit) continue;
     const PrimitiveBvh::Node &node_a = tree_a.nodes()[next.a], &node_b = tree_b.nodes()[next.b];
     const bool leaf_a = node_a.size > 0, leaf_b = node_b.size > 0;
-    if (!leaf_a && (leaf_b || node_a.half.squaredNorm() >= node_b.half.squaredNorm())) {
-      const OrientedBox b_box = box_of_b(next.b);
+    if (!leaf_a && (leaf_b || node_a.box.half.squaredNorm() >= node_b.box.half.squaredNorm())) {
+      const RoundedBox b_box = box_of_b(next.b);
       push_nearer_last(entry(next.a + 1, next.b, b_box), entry(node_a.right, next.b, b_box), limit);
       continue;
     }
@@ -527,7 +545,7 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
         const Eigen::Vector3d origin_a = shape_a.set(i), origin_b = shape_b.set(j);
         difference.set(shape_a.shape(), shape_b.shape(), coal::Transform3s(Eigen::Matrix3d::Identity(), origin_a),
                        coal::Transform3s(to_a.linear(), to_a * origin_b));
-        const Eigen::Vector3d guess = node_a.center - to_a * node_b.center;
+        const Eigen::Vector3d guess = node_a.box.middle() - to_a * node_b.box.middle();
         const double found =
             run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), std::min(margin, best));
         add_axis(to_a);

@@ -28,7 +28,7 @@ PrimitiveBvh::PrimitiveBvh(const coal::BVHModelBase& mesh) {
   const auto copy = [&](const auto& self, unsigned from) -> std::uint32_t {
     const auto& box = boxes->getBV(from);
     const auto index = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.push_back({box.bv.obb.axes, box.bv.obb.To, box.bv.obb.extent});
+    nodes_.push_back({RoundedBox(box.bv.obb.axes, box.bv.obb.To, box.bv.obb.extent)});
     if (box.isLeaf()) {
       const coal::Triangle& t = (*mesh.tri_indices)[static_cast<std::size_t>(box.primitiveId())];
       nodes_[index].first = static_cast<std::uint32_t>(triangles_.size());
@@ -61,30 +61,26 @@ PrimitiveBvh::PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double
 }
 
 /// Splits where the highest bit in which the codes differ changes: at the middle of a cell of the octree, along one
-/// axis.
-std::uint32_t PrimitiveBvh::build_cubes(std::span<const std::uint64_t> codes, std::size_t done) {
+/// axis. Returns the box around the cubes.
+Eigen::AlignedBox3d PrimitiveBvh::build_cubes(std::span<const std::uint64_t> codes, std::size_t done) {
   const auto index = static_cast<std::uint32_t>(nodes_.size());
   nodes_.emplace_back();
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  const auto extend = [&](const Eigen::Vector3d& center, const Eigen::Vector3d& half) {
-    low = low.cwiseMin(center - half);
-    high = high.cwiseMax(center + half);
-  };
+  Eigen::AlignedBox3d extent;
   if (codes.size() <= max_cubes) {
     nodes_[index].first = static_cast<std::uint32_t>(done);
     nodes_[index].size = static_cast<std::uint32_t>(codes.size());
-    for (std::size_t i = done; i < done + codes.size(); ++i) extend(cubes_[i], Eigen::Vector3d::Constant(edge_ / 2));
+    for (std::size_t i = done; i < done + codes.size(); ++i) extent.extend(cubes_[i]);
+    const Eigen::Vector3d half = Eigen::Vector3d::Constant(edge_ / 2);
+    extent = {extent.min() - half, extent.max() + half};
   } else {
     const std::uint64_t bit = std::bit_floor(codes.front() ^ codes.back()), border = codes.back() & ~(bit - 1);
     const auto half = static_cast<std::size_t>(std::lower_bound(codes.begin(), codes.end(), border) - codes.begin());
-    const std::uint32_t left = build_cubes(codes.first(half), done);
-    const std::uint32_t right = build_cubes(codes.subspan(half), done + half);
-    nodes_[index].right = right;
-    for (const std::uint32_t child : {left, right}) extend(nodes_[child].center, nodes_[child].half);
+    extent = build_cubes(codes.first(half), done);
+    nodes_[index].right = static_cast<std::uint32_t>(nodes_.size());
+    extent.extend(build_cubes(codes.subspan(half), done + half));
   }
-  nodes_[index].center = (low + high) / 2;
-  nodes_[index].half = (high - low) / 2;
-  return index;
+  nodes_[index].box = RoundedBox(Eigen::Matrix3d::Identity(), extent.center(), extent.sizes() / 2);
+  return extent;
 }
 
 namespace {

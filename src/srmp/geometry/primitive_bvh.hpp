@@ -1,11 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
+
+#include "srmp/geometry/rounded_box.hpp"
 
 namespace coal {
 class BVHModelBase;
@@ -21,11 +23,9 @@ class PrimitiveBvh {
   /// Three corners.
   using Triangle = std::array<Eigen::Vector3d, 3>;
 
-  /// An oriented box that contains primitives; its edges are along the columns of `axes`. Its left child is the next
-  /// node.
+  /// A box that contains primitives. Its left child is the next node.
   struct Node {
-    Eigen::Matrix3d axes{Eigen::Matrix3d::Identity()};
-    Eigen::Vector3d center, half;   ///< half: of the edge lengths
+    RoundedBox box;
     std::uint32_t right{};          ///< right child
     std::uint32_t first{}, size{};  ///< primitives of a leaf; an inner node has size 0
   };
@@ -45,7 +45,7 @@ class PrimitiveBvh {
   bool of_cubes() const { return triangles_.empty(); }
 
  private:
-  std::uint32_t build_cubes(std::span<const std::uint64_t> codes, std::size_t done);
+  Eigen::AlignedBox3d build_cubes(std::span<const std::uint64_t> codes, std::size_t done);
 
   std::vector<Node> nodes_;
   std::vector<Triangle> triangles_;
