@@ -85,8 +85,8 @@ BOOST_AUTO_TEST_CASE(every_box_of_a_bvh_contains_its_primitives) {
       for (std::size_t k = node.first; k < node.first + node.size; ++k) ++seen[k];
       double outside = 0;
       corners(i, [&](const Vector3d& corner) {
-        const Vector3d local = node.box.axes().transpose() * (corner - node.box.middle());
-        outside = std::max(outside, (local.cwiseAbs() - node.box.half_edges()).maxCoeff());
+        const Vector3d local = node.box.axes().transpose() * (corner - node.box.center3d());
+        outside = std::max(outside, (local.cwiseAbs() - node.box.half_extents3d()).maxCoeff());
       });
       BOOST_TEST(outside <= 0.0);
     }

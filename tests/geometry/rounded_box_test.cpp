@@ -51,7 +51,7 @@ BOOST_AUTO_TEST_CASE(a_bound_of_the_distance_of_two_boxes_is_never_above_it) {
     b_in_a.linear() = ExactBox::turn(dice);
     b_in_a.translation() = scale * ExactBox::within_one(dice);
     const RoundedBox box_a = a.rounded(), box_b = b.rounded();
-    const BoxDistances distances(b_in_a, box_a.reach(), box_b.reach());
+    const BoxDistanceBounds distances(b_in_a, box_a.reach(), box_b.reach());
     const float far = std::numeric_limits<float>::infinity();
     const double bound = std::sqrt(distances.squared_bound(box_a, distances.in_a(box_b), far));
     const double early = std::sqrt(distances.squared_bound(box_a, distances.in_a(box_b), 0.0f));
@@ -77,7 +77,7 @@ BOOST_AUTO_TEST_CASE(boxes_that_overlap_by_a_hair_or_touch_are_not_apart) {
     in_frame.axes = frame.linear().transpose() * b.axes;
     in_frame.middle = frame.inverse() * b.middle;
     const RoundedBox box_a = a.rounded(), box_b = in_frame.rounded();
-    const BoxDistances distances(frame, box_a.reach(), box_b.reach());
+    const BoxDistanceBounds distances(frame, box_a.reach(), box_b.reach());
     BOOST_TEST(distances.squared_bound(box_a, distances.in_a(box_b), 0.0f) == 0.0f);
   }
 }
@@ -102,10 +102,10 @@ BOOST_AUTO_TEST_CASE(boxes_beyond_what_single_precision_holds_are_near_everythin
     const RoundedBox away(axes, far * one, one), large(axes, Eigen::Vector3d::Zero(), far * one);
     const float enough = 1e30f;
     for (const RoundedBox& box : {away, large}) {
-      const BoxDistances distances(Eigen::Isometry3d::Identity(), here.reach(), box.reach());
+      const BoxDistanceBounds distances(Eigen::Isometry3d::Identity(), here.reach(), box.reach());
       BOOST_TEST(distances.squared_bound(here, distances.in_a(box), enough) == 0.0f);
     }
-    const BoxDistances distances(Eigen::Isometry3d(Eigen::Translation3d(far * one)), here.reach(), here.reach());
+    const BoxDistanceBounds distances(Eigen::Isometry3d(Eigen::Translation3d(far * one)), here.reach(), here.reach());
     BOOST_TEST(distances.squared_bound(here, distances.in_a(here), enough) == 0.0f);
   }
 }

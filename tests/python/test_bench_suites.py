@@ -32,6 +32,16 @@ def test_a_chain_of_joints_is_planned_for(suite):
     assert growth.joints(10)().certificate.holds
 
 
+def test_any_robot_among_boxes(suite):
+    any_robot = suite("any_robot")
+    result = any_robot.run(["arm7"], None, worlds=1, problems=2, boxes=4, repeats=1, limit=10.0)
+    assert len(result["rows"]) == 2
+    assert all(row["status"] == "solved" and row["verification_time_s"] > 0 for row in result["rows"])
+    result["rows"] += [{**row, "baseline": True} for row in result["rows"]]
+    last_line = any_robot.table(json.loads(json.dumps(result))).splitlines()[-1]
+    assert "2/2" in last_line and last_line.endswith("1.00")
+
+
 def test_similar_problems_have_similar_paths(suite, mbm_data):
     """Of other problems than those of the documentation's table, which has 3 % as its aim."""
     consistency = suite("consistency")

@@ -95,7 +95,6 @@ class Prover {
   }
   void place_at(const Interval& interval);
   void find_nearest_at(Eigen::Index row);
-  double distance_within(const Pair& pair, double margin, double enough);
   void note_if_nearer(const Pair& pair);
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
   bool prove_halves(const Interval& interval, std::size_t first, std::size_t count);
@@ -133,7 +132,7 @@ class Prover {
   double fraction_;  // of the clearance that is to be proved
   const Deadline* deadline_;
   double clearance_{infinity};  // the smallest distance found, less padding
-  bool is_exact_{true};         // or that of any two near primitives of meshes
+  bool is_exact_{true};         // the pair's own, not only that of any two near primitives
   const Pair* nearest_{};
   double nearest_time_{};
   Eigen::VectorXd nearest_configuration_;
@@ -150,8 +149,8 @@ class Prover {
   std::vector<std::pair<double, std::uint32_t>> order_;
 };
 
-/// Notes that the pair has this distance at the current configuration, or no more if that is not `exact`; false: it is
-/// in contact.
+/// Notes that the pair has this distance at the current configuration, or, if that is not `exact`, at most this; false:
+/// it is in contact.
 bool Prover::note_distance(const Pair& pair, double distance, bool exact) {
   const double clearance = distance - pair.padding;
   if (clearance < clearance_) {
@@ -174,27 +173,17 @@ void Prover::note_proved(const Proved& proved) {
   std::push_heap(to_sharpen_.begin(), to_sharpen_.end());
 }
 
-/// The distance of the pair at the current configuration if it is at most `margin`, else infinity. Of meshes any
-/// distance of two primitives that is at most `enough` will do.
-double Prover::distance_within(const Pair& pair, double margin, double enough) {
-  if (!pair.solid && margin < infinity && workspace_.hull_distance(pair, margin, infinity) == infinity) return infinity;
-  return workspace_.distance(pair, margin, enough);
-}
-
-/// Notes the distance of the pair if it is less than what was found before. Of meshes, distances of any two primitives
-/// will do until there are none that are much less: the distance itself takes far longer.
+/// Notes the distance of the pair at the current configuration if it is less than what was found before. Of meshes,
+/// distances of any two primitives will do until there are none that are much less: the pair's own takes far longer.
 void Prover::note_if_nearer(const Pair& pair) {
-  if (pair.solid || is_single_row()) {
-    const double found = distance_within(pair, clearance_ + pair.padding, 0.0);
-    if (found < infinity) note_distance(pair, found, true);
-    return;
-  }
-  while (clearance_ > NarrowPhase::contact_distance) {
-    const double margin = much_less * clearance_ + pair.padding;
-    const double found = distance_within(pair, margin, infinity);  // a bit above the margin it may be
-    if (found == infinity || found > margin) return;
-    note_distance(pair, found, false);
-  }
+  const bool exact = pair.solid || is_single_row();
+  const auto margin = [&] { return (exact ? 1.0 : much_less) * clearance_ + pair.padding; };
+  if (!pair.solid && margin() < infinity && workspace_.hull_distance(pair, margin(), infinity) == infinity) return;
+  do {
+    const double found = workspace_.distance(pair, margin(), exact ? 0.0 : infinity);
+    if (!(found - pair.padding < clearance_)) return;  // it may exceed the margin by contact_distance
+    note_distance(pair, found, exact);
+  } while (!exact && clearance_ > NarrowPhase::contact_distance && !stopped());
 }
 
 /// Finds a pair that is about the nearest at a row, so that pairs farther away need no distance later. Once the
@@ -290,7 +279,10 @@ Prover::Check Prover::measure(const Pair& pair, double motion, double required) 
   const double touching = pair.padding + NarrowPhase::contact_distance;
   double enough = pair.padding + rough_distance * motion, found = workspace_.distance(pair, margin, enough);
   if (found == infinity) return {CollisionStatus::free, goal()};
-  if (finest && found > touching && !pair.solid) found = workspace_.distance(pair, margin, enough = touching);
+  if (finest && found > touching && !pair.solid) {
+    enough = touching;
+    found = workspace_.distance(pair, margin, enough);
+  }
   if (!note_distance(pair, found, pair.solid || found > enough)) return {CollisionStatus::colliding};
   // What passes is the pair's distance: one that is only of two of its primitives is less than the motion.
   if (found > least) return {CollisionStatus::free, found - least};
@@ -421,14 +413,15 @@ bool Prover::sharpen() {
   return true;
 }
 
-/// The distance noted of the nearest pair may have been that of any two near primitives: computes the pair's own.
-/// False: they are in contact. After the deadline, what was noted has to do.
+/// The distance noted of the nearest pair may be that of any two near primitives: computes the pair's own. False: they
+/// are in contact. After the deadline, what was noted has to do.
 bool Prover::refine_nearest() {
-  const bool too_late = !is_single_row() && stopped();
-  if (!nearest_ || is_exact_ || too_late) return clearance_ > NarrowPhase::contact_distance;
-  workspace_.place(nearest_configuration_);
-  const double found = workspace_.distance(*nearest_, clearance_ + nearest_->padding, 0.0) - nearest_->padding;
-  clearance_ = std::min(clearance_, found);
+  if (nearest_ && !is_exact_ && !stopped()) {
+    workspace_.place(nearest_configuration_);
+    const double found = workspace_.distance(*nearest_, clearance_ + nearest_->padding, 0.0) - nearest_->padding;
+    clearance_ = std::min(clearance_, found);
+    is_exact_ = true;
+  }
   return clearance_ > NarrowPhase::contact_distance;
 }
 
@@ -438,14 +431,16 @@ MotionProof Prover::run() {
   for (std::size_t k = 0; k < model_.group.actuated_joints().size(); ++k) active |= std::uint64_t{1} << k;
   workspace_.start_any_motion(active);
   if (fraction_ > 0.0 || last == 0)
-    for (const Eigen::Index row : {last / 2, Eigen::Index{0}, last}) find_nearest_at(row);
+    for (const Eigen::Index row : {last / 2, Eigen::Index{0}, last})
+      if (clearance_ > NarrowPhase::contact_distance) find_nearest_at(row);
   bool free = clearance_ > NarrowPhase::contact_distance;
   if (free && last > 0) {
     open_.clear();
     for (std::size_t i = 0; i < groups_.size(); ++i) open_.push_back({.pair = groups_.number(i), .levels = 0});
-    free = prove({0, last}, 0, groups_.size()) && (!unproved_.empty() || sharpen());
+    free = prove({0, last}, 0, groups_.size()) && (!unproved_.empty() || (refine_nearest() && sharpen()));
   }
-  return report(free && refine_nearest());
+  const bool is_nearest_free = refine_nearest();
+  return report(free && is_nearest_free);
 }
 
 MotionProof Prover::report(bool free) const {

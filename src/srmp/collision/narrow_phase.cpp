@@ -14,6 +14,8 @@
 #include <limits>
 #include <optional>
 
+#include "srmp/collision/oriented_box.hpp"
+
 namespace srmp::detail {
 
 namespace {
@@ -28,7 +30,8 @@ constexpr double single_precision = 1e-6;
 /// When GJK runs out of iterations, its distance is too large by less than this [m].
 constexpr double unconverged = 1e-3;
 
-/// GJK proves within these whether a box is too far away, or what is in it is visited.
+/// Iterations of GJK for a box around primitives. Where they do not prove that it is too far away, its contents are
+/// visited.
 constexpr std::size_t node_iterations = 4;
 
 constexpr unsigned steps_per_poll = 64;  // distances of solids, or of bounding boxes
@@ -56,10 +59,15 @@ Eigen::Vector3d ask_for_first_support() {
     ask_for_first_support<coal::details::SupportOptions::NoSweptSphere>(),
     ask_for_first_support<coal::details::SupportOptions::WithSweptSphere>()};
 
+/// A direction for GJK.
+Eigen::Vector3d nonzero(const Eigen::Vector3d& guess) {
+  return guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0);
+}
+
 /// The first direction for GJK, in the frame of a.
 Eigen::Vector3d first_guess(const Placed& a, const Placed& b) {
   const Eigen::Vector3d guess = a.pose.linear().transpose() * (a.center - b.center);
-  return guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0);
+  return nonzero(guess);
 }
 
 /// Coal also keeps the last support vertex inside the functor; only "cached guess" resets that at every query, and a
@@ -121,24 +129,8 @@ int FormulaTable::index(const coal::CollisionGeometry& a, const coal::CollisionG
 
 namespace {
 
-/// A box, its edges along the columns of `axes`.
-struct OrientedBox {
-  Eigen::Matrix3d axes;
-  Eigen::Vector3d center, half;
-};
-
 OrientedBox box_around(const Placed& body) {
   return {body.pose.linear(), body.pose * body.bounds.box_center, body.bounds.box_half};
-}
-
-/// A lower bound of the squared distance of two boxes: along the axes of either.
-double squared_distance_bound(const OrientedBox& a, const OrientedBox& b) {
-  const Eigen::Vector3d offset = b.center - a.center;
-  const Eigen::Matrix3d rotation = a.axes.transpose() * b.axes, absolute = rotation.cwiseAbs();
-  const Eigen::Vector3d along_a = a.axes.transpose() * offset, along_b = b.axes.transpose() * offset;
-  const Eigen::Vector3d of_a = (along_a.cwiseAbs() - a.half - absolute * b.half).cwiseMax(0.0);
-  const Eigen::Vector3d of_b = (along_b.cwiseAbs() - b.half - absolute.transpose() * a.half).cwiseMax(0.0);
-  return std::max(of_a.squaredNorm(), of_b.squaredNorm());
 }
 
 Eigen::Vector3d middle_of(const PrimitiveBvh& tree, std::size_t primitive) {
@@ -418,11 +410,11 @@ double NarrowPhase::Impl::solid_to_primitive(const Placed& solid, const Primitiv
                  coal::Transform3s(Eigen::Matrix3d::Identity(), origin));
   const Eigen::Vector3d guess =
       to_tree.linear().transpose() * (to_tree * solid.bounds.center - middle_of(tree, primitive));
-  return run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), margin);
+  return run_gjk(nonzero(guess), margin);
 }
 
-/// Is the box around primitives farther from the solid than `limit`? A solid may be far from its own bounding box. What
-/// it says is proved; a box that is hardly farther may pass.
+/// Is the box around primitives farther from the solid than `limit`? A solid may be far from its own bounding box. True
+/// is proved; false may also be said of a box that is farther.
 bool NarrowPhase::Impl::is_beyond(const Placed& solid, const PrimitiveBvh::Node& node, const Eigen::Isometry3d& to_tree,
                                   double limit) {
   const auto distance_along = [&](const SeparatingAxes::Axis& axis) {
@@ -431,19 +423,19 @@ bool NarrowPhase::Impl::is_beyond(const Placed& solid, const PrimitiveBvh::Node&
   if (axes.separate(limit, distance_along)) return true;
   if (last_box && squared_distance(last_box->point, node.box) <= limit * limit) return false;
   if (!last_box) {
-    const Eigen::Vector3d guess = to_tree.linear().transpose() * (to_tree * solid.bounds.center - node.box.middle());
-    last_box.emplace(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0));
+    const Eigen::Vector3d guess = to_tree.linear().transpose() * (to_tree * solid.bounds.center - node.box.center3d());
+    last_box.emplace(nonzero(guess).normalized());
   }
   count_step();
-  box.halfSide = node.box.half_edges();
+  box.halfSide = node.box.half_extents3d();
   difference.set(static_cast<const coal::ShapeBase*>(solid.geometry), &box, transform(to_tree),
-                 coal::Transform3s(node.box.axes(), node.box.middle()));
+                 coal::Transform3s(node.box.axes(), node.box.center3d()));
   short_gjk.setDistanceEarlyBreak(limit + tolerance);
   short_gjk.evaluate(difference, last_box->ray, last_box->vertices);
   const coal::details::GJK::Simplex& simplex = *short_gjk.getSimplex();
   last_box->point = to_tree * simplex.vertex[simplex.rank - 1]->w0;
   last_box->vertices = short_gjk.support_hint;
-  if (short_gjk.ray.squaredNorm() > 1e-12) last_box->ray = short_gjk.ray;
+  last_box->ray = nonzero(short_gjk.ray).normalized();
   if (short_gjk.status != coal::details::GJK::NoCollisionEarlyStopped) return false;
   add_axis_of_solid(short_gjk, to_tree);
   return true;
@@ -453,8 +445,8 @@ bool NarrowPhase::Impl::is_beyond(const Placed& solid, const PrimitiveBvh::Node&
 void NarrowPhase::Impl::push_nearer_last(const Open& one, const Open& other, double limit) {
   const Open &far = one.squared_distance_bound > other.squared_distance_bound ? one : other,
              &near = &far == &one ? other : one;
-  if (far.squared_distance_bound <= limit * limit) open.push_back(far);
-  if (near.squared_distance_bound <= limit * limit) open.push_back(near);
+  if (!(far.squared_distance_bound > limit * limit)) open.push_back(far);
+  if (!(near.squared_distance_bound > limit * limit)) open.push_back(near);
 }
 
 double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed& other, double margin, double enough,
@@ -462,11 +454,11 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
   const PrimitiveBvh& tree = *other.bvh;
   const Eigen::Isometry3d to_tree = other.pose.inverse(Eigen::Isometry) * solid.pose;
   const RoundedBox box(to_tree.linear(), to_tree * solid.bounds.box_center, solid.bounds.box_half);
-  const BoxDistances distances(Eigen::Isometry3d::Identity(), tree.nodes()[0].box.reach(), box.reach());
+  const BoxDistanceBounds distances(Eigen::Isometry3d::Identity(), tree.reach(), box.reach());
   PrimitiveShape shape(tree);
   const bool by_gjk = !is_cube_and_sphere(tree, solid);
   const bool fills_its_box_badly = dynamic_cast<const coal::ConvexBase*>(solid.geometry) != nullptr;
-  const float size = box.half.squaredNorm();  // hardly any larger box is beside the solid, not its box
+  const float size = box.half_extents.squaredNorm();  // hardly any larger box is beside the solid, not its box
   double best = infinity, limit = margin + tolerance;
   axes.clear();
   separation_queries = 0;
@@ -482,7 +474,8 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
     if (next.squared_distance_bound > limit * limit) continue;
     const PrimitiveBvh::Node& node = tree.nodes()[next.a];
     if (node.size == 0) {
-      if (fills_its_box_badly && node.box.half.squaredNorm() < size && is_beyond(solid, node, to_tree, limit)) continue;
+      if (fills_its_box_badly && node.box.half_extents.squaredNorm() < size && is_beyond(solid, node, to_tree, limit))
+        continue;
       push_nearer_last({bound_to(next.a + 1), next.a + 1, 0}, {bound_to(node.right), node.right, 0}, limit);
       continue;
     }
@@ -513,7 +506,7 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
   double best = infinity, limit = margin + tolerance;
   axes.clear();
   separation_queries = 0;
-  const BoxDistances distances(to_a, tree_a.nodes()[0].box.reach(), tree_b.nodes()[0].box.reach());
+  const BoxDistanceBounds distances(to_a, tree_a.reach(), tree_b.reach());
   const auto box_of_b = [&](std::uint32_t j) { return distances.in_a(tree_b.nodes()[j].box); };
   const auto entry = [&](std::uint32_t i, std::uint32_t j, const RoundedBox& b_box) {
     return Open{distances.squared_bound(tree_a.nodes()[i].box, b_box, static_cast<float>(limit * limit)), i, j};
@@ -526,7 +519,7 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
     if (next.squared_distance_bound > limit * limit) continue;
     const PrimitiveBvh::Node &node_a = tree_a.nodes()[next.a], &node_b = tree_b.nodes()[next.b];
     const bool leaf_a = node_a.size > 0, leaf_b = node_b.size > 0;
-    if (!leaf_a && (leaf_b || node_a.box.half.squaredNorm() >= node_b.box.half.squaredNorm())) {
+    if (!leaf_a && (leaf_b || node_a.box.half_extents.squaredNorm() >= node_b.box.half_extents.squaredNorm())) {
       const RoundedBox b_box = box_of_b(next.b);
       push_nearer_last(entry(next.a + 1, next.b, b_box), entry(node_a.right, next.b, b_box), limit);
       continue;
@@ -545,9 +538,8 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
         const Eigen::Vector3d origin_a = shape_a.set(i), origin_b = shape_b.set(j);
         difference.set(shape_a.shape(), shape_b.shape(), coal::Transform3s(Eigen::Matrix3d::Identity(), origin_a),
                        coal::Transform3s(to_a.linear(), to_a * origin_b));
-        const Eigen::Vector3d guess = node_a.box.middle() - to_a * node_b.box.middle();
-        const double found =
-            run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), std::min(margin, best));
+        const Eigen::Vector3d guess = node_a.box.center3d() - to_a * node_b.box.center3d();
+        const double found = run_gjk(nonzero(guess), std::min(margin, best));
         add_axis(to_a);
         if (found >= best) continue;
         if (found > contact_distance &&

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 
 #include "srmp/core/error.hpp"
 #include "srmp/geometry/morton.hpp"
@@ -42,6 +41,7 @@ PrimitiveBvh::PrimitiveBvh(const coal::BVHModelBase& mesh) {
     return index;
   };
   copy(copy, 0);
+  set_reach();
 }
 
 PrimitiveBvh::PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double edge) : edge_(edge) {
@@ -58,6 +58,12 @@ PrimitiveBvh::PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double
   }
   nodes_.reserve(codes.size());
   build_cubes(codes, 0);
+  set_reach();
+}
+
+/// A box of fewer primitives may stick out of the one around it.
+void PrimitiveBvh::set_reach() {
+  for (const Node& node : nodes_) reach_ = std::max(reach_, node.box.reach());
 }
 
 /// Splits where the highest bit in which the codes differ changes: at the middle of a cell of the octree, along one

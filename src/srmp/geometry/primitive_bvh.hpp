@@ -41,16 +41,19 @@ class PrimitiveBvh {
   const std::vector<Triangle>& triangles() const { return triangles_; }  ///< empty for cubes
   const std::vector<Eigen::Vector3d>& cubes() const { return cubes_; }   ///< centres; empty for triangles
   double edge() const { return edge_; }                                  ///< edge length of a cube
+  float reach() const { return reach_; }                                 ///< the largest of any node's box [m]
   /// Are the primitives cubes?
   bool of_cubes() const { return triangles_.empty(); }
 
  private:
+  void set_reach();
   Eigen::AlignedBox3d build_cubes(std::span<const std::uint64_t> codes, std::size_t done);
 
   std::vector<Node> nodes_;
   std::vector<Triangle> triangles_;
   std::vector<Eigen::Vector3d> cubes_;
   double edge_{};
+  float reach_{};
 };
 
 /// The hierarchy of a mesh or an octree; nullptr for a convex solid. Throws NotSupported for other geometries.
