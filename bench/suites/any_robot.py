@@ -17,13 +17,12 @@ from __future__ import annotations
 import argparse
 import json
 import re
-import subprocess
 import sys
 import warnings
 from typing import Any
 
 import numpy as np
-from report import run_and_report
+from report import result_of, run_and_report
 
 import srmp
 from srmp._table import format_seconds, format_table
@@ -104,8 +103,8 @@ def run(robots: list[str], baseline: str | None, **options: Any) -> dict[str, An
             if not python:
                 continue
             command = [python, __file__, "--one", robot, *(f"--{key}={value}" for key, value in options.items())]
-            printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-            rows += [{**row, "baseline": is_baseline} for row in json.loads(printed)]
+            found = result_of(f"'{robot}' by {python}", command)
+            rows += [{**row, "baseline": is_baseline} for row in found]
         print(table({"rows": [row for row in rows if row["robot"] == robot]}).splitlines()[-1], flush=True)
     return {"options": options, "rows": rows}
 
@@ -113,6 +112,10 @@ def run(robots: list[str], baseline: str | None, **options: Any) -> dict[str, An
 def median_ratio(ours: list[dict[str, Any]], theirs: list[dict[str, Any]]) -> str:
     pairs = [(a, b) for a, b in zip(ours, theirs, strict=False) if a["status"] == b["status"] == "solved"]
     return f"{np.median([a['total_time_s'] / b['total_time_s'] for a, b in pairs]):.2f}" if pairs else "–"
+
+
+def percentile(rows: list[dict[str, Any]], key: str, percent: int) -> str:
+    return format_seconds(float(np.percentile([row[key] for row in rows], percent))) if rows else "–"
 
 
 def table(result: dict[str, Any]) -> str:
@@ -123,11 +126,9 @@ def table(result: dict[str, Any]) -> str:
             for is_baseline in (False, True)
         )
         solved = [row for row in ours if row["status"] == "solved"]
-        medians = [format_seconds(float(np.median([row[key] for row in solved]))) for key in PARTS.values()]
-        late = format_seconds(float(np.percentile([row["plan_time_s"] for row in solved], 95)))
-        lines.append(
-            [robot, str(ours[0]["dof"]), f"{len(solved)}/{len(ours)}", *medians, late, median_ratio(ours, theirs)]
-        )
+        times = [percentile(solved, key, 50) for key in PARTS.values()] + [percentile(solved, PARTS["path"], 95)]
+        dof = str(ours[0]["dof"]) if ours else "–"
+        lines.append([robot, dof, f"{len(solved)}/{len(ours)}", *times, median_ratio(ours, theirs)])
     return format_table(["robot", "dof", "solved", *PARTS, "path, 95 %", "ratio"], lines)
 
 

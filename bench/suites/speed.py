@@ -21,9 +21,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import re
-import subprocess
 import sys
 import tempfile
 import time
@@ -33,6 +31,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from report import result_of
 
 import srmp
 from srmp._table import format_table
@@ -372,15 +371,6 @@ def run_in_process(python: str, case: Case, data: str, problems: str) -> Measure
     """One round of a case by the build of this Python."""
     task = json.dumps([case.kind, data, problems, *case.arguments])
     return result_of(f"'{case.name}' by {python}", [python, __file__, "--here", task])
-
-
-def result_of(what: str, command: Sequence[str], given: str = "") -> Any:
-    """What a program with one thread prints last, as JSON; `given` is its standard input."""
-    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-    done = subprocess.run(command, env=environment, input=given, capture_output=True, text=True)
-    if done.returncode:
-        raise srmp.Error(f"{what} failed: {done.stderr.strip().splitlines()[-1]}")
-    return json.loads(done.stdout.splitlines()[-1])
 
 
 def merge(rounds: Sequence[Measured]) -> Measured:

@@ -120,6 +120,7 @@ class Prover {
   double goal() const { return fraction_ > 0.0 ? fraction_ * clearance_ : 0.0; }
   void note_proved(const Proved& proved);
   bool note_distance(const Pair& pair, double distance, bool exact);
+  bool in_contact() const { return clearance_ <= NarrowPhase::contact_distance; }
   bool is_single_row() const { return motion_.positions.rows() == 1; }
   void leave_unproved(const Interval& interval, std::uint32_t pair);
   bool refine_nearest();
@@ -132,7 +133,7 @@ class Prover {
   double fraction_;  // of the clearance that is to be proved
   const Deadline* deadline_;
   double clearance_{infinity};  // the smallest distance found, less padding
-  bool is_exact_{true};         // the pair's own, not only that of any two near primitives
+  bool is_exact_{true};         // false: that of any two near primitives of nearest_, not its own
   const Pair* nearest_{};
   double nearest_time_{};
   Eigen::VectorXd nearest_configuration_;
@@ -183,7 +184,7 @@ void Prover::note_if_nearer(const Pair& pair) {
     const double found = workspace_.distance(pair, margin(), exact ? 0.0 : infinity);
     if (!(found - pair.padding < clearance_)) return;  // it may exceed the margin by contact_distance
     note_distance(pair, found, exact);
-  } while (!exact && clearance_ > NarrowPhase::contact_distance && !stopped());
+  } while (!exact && !in_contact() && !stopped());
 }
 
 /// Finds a pair that is about the nearest at a row, so that pairs farther away need no distance later. Once the
@@ -416,13 +417,13 @@ bool Prover::sharpen() {
 /// The distance noted of the nearest pair may be that of any two near primitives: computes the pair's own. False: they
 /// are in contact. After the deadline, what was noted has to do.
 bool Prover::refine_nearest() {
-  if (nearest_ && !is_exact_ && !stopped()) {
+  if (!is_exact_ && !stopped()) {
     workspace_.place(nearest_configuration_);
     const double found = workspace_.distance(*nearest_, clearance_ + nearest_->padding, 0.0) - nearest_->padding;
     clearance_ = std::min(clearance_, found);
     is_exact_ = true;
   }
-  return clearance_ > NarrowPhase::contact_distance;
+  return !in_contact();
 }
 
 MotionProof Prover::run() {
@@ -432,15 +433,14 @@ MotionProof Prover::run() {
   workspace_.start_any_motion(active);
   if (fraction_ > 0.0 || last == 0)
     for (const Eigen::Index row : {last / 2, Eigen::Index{0}, last})
-      if (clearance_ > NarrowPhase::contact_distance) find_nearest_at(row);
-  bool free = clearance_ > NarrowPhase::contact_distance;
+      if (!in_contact()) find_nearest_at(row);
+  bool free = !in_contact();
   if (free && last > 0) {
     open_.clear();
     for (std::size_t i = 0; i < groups_.size(); ++i) open_.push_back({.pair = groups_.number(i), .levels = 0});
     free = prove({0, last}, 0, groups_.size()) && (!unproved_.empty() || (refine_nearest() && sharpen()));
   }
-  const bool is_nearest_free = refine_nearest();
-  return report(free && is_nearest_free);
+  return report(refine_nearest() && free);
 }
 
 MotionProof Prover::report(bool free) const {

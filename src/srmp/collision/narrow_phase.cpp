@@ -66,8 +66,7 @@ Eigen::Vector3d nonzero(const Eigen::Vector3d& guess) {
 
 /// The first direction for GJK, in the frame of a.
 Eigen::Vector3d first_guess(const Placed& a, const Placed& b) {
-  const Eigen::Vector3d guess = a.pose.linear().transpose() * (a.center - b.center);
-  return nonzero(guess);
+  return nonzero(a.pose.linear().transpose() * (a.center - b.center));
 }
 
 /// Coal also keeps the last support vertex inside the functor; only "cached guess" resets that at every query, and a

@@ -27,7 +27,8 @@ PrimitiveBvh::PrimitiveBvh(const coal::BVHModelBase& mesh) {
   const auto copy = [&](const auto& self, unsigned from) -> std::uint32_t {
     const auto& box = boxes->getBV(from);
     const auto index = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.push_back({RoundedBox(box.bv.obb.axes, box.bv.obb.To, box.bv.obb.extent)});
+    nodes_.emplace_back();
+    set_box(index, RoundedBox(box.bv.obb.axes, box.bv.obb.To, box.bv.obb.extent));
     if (box.isLeaf()) {
       const coal::Triangle& t = (*mesh.tri_indices)[static_cast<std::size_t>(box.primitiveId())];
       nodes_[index].first = static_cast<std::uint32_t>(triangles_.size());
@@ -41,7 +42,6 @@ PrimitiveBvh::PrimitiveBvh(const coal::BVHModelBase& mesh) {
     return index;
   };
   copy(copy, 0);
-  set_reach();
 }
 
 PrimitiveBvh::PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double edge) : edge_(edge) {
@@ -58,12 +58,12 @@ PrimitiveBvh::PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double
   }
   nodes_.reserve(codes.size());
   build_cubes(codes, 0);
-  set_reach();
 }
 
-/// A box of fewer primitives may stick out of the one around it.
-void PrimitiveBvh::set_reach() {
-  for (const Node& node : nodes_) reach_ = std::max(reach_, node.box.reach());
+/// A box of fewer primitives may stick out of the one around it, so the largest reach is not always the root's.
+void PrimitiveBvh::set_box(std::uint32_t node, const RoundedBox& box) {
+  nodes_[node].box = box;
+  reach_ = std::max(reach_, box.reach());
 }
 
 /// Splits where the highest bit in which the codes differ changes: at the middle of a cell of the octree, along one
@@ -85,7 +85,7 @@ Eigen::AlignedBox3d PrimitiveBvh::build_cubes(std::span<const std::uint64_t> cod
     nodes_[index].right = static_cast<std::uint32_t>(nodes_.size());
     extent.extend(build_cubes(codes.subspan(half), done + half));
   }
-  nodes_[index].box = RoundedBox(Eigen::Matrix3d::Identity(), extent.center(), extent.sizes() / 2);
+  set_box(index, RoundedBox(Eigen::Matrix3d::Identity(), extent.center(), extent.sizes() / 2));
   return extent;
 }
 

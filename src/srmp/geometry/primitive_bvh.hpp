@@ -46,7 +46,7 @@ class PrimitiveBvh {
   bool of_cubes() const { return triangles_.empty(); }
 
  private:
-  void set_reach();
+  void set_box(std::uint32_t node, const RoundedBox& box);
   Eigen::AlignedBox3d build_cubes(std::span<const std::uint64_t> codes, std::size_t done);
 
   std::vector<Node> nodes_;
