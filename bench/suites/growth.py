@@ -14,11 +14,12 @@ from __future__ import annotations
 import argparse
 import re
 import resource
+import shutil
 import tempfile
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from certificate_times import add_arm, bumpy_ground, seen_points, timed, write_stl
@@ -55,20 +56,28 @@ def boxes(count: int) -> Query:
     return arm_query(planner)
 
 
-def triangles(count: int) -> Query:
+def ground(count: int) -> Path:
+    path = Path(tempfile.mkdtemp()) / "ground.stl"
+    write_stl(path, bumpy_ground(round(np.sqrt(count / 2)), np.random.default_rng(1)) - [0, 0, 0.1])
+    return path
+
+
+def triangles(path: Path) -> Query:
     planner = srmp.PlannerInterface()
     add_arm(planner, None, "arm", srmp.Pose())
-    with tempfile.TemporaryDirectory() as directory:
-        path = Path(directory) / "ground.stl"
-        write_stl(path, bumpy_ground(round(np.sqrt(count / 2)), np.random.default_rng(1)) - [0, 0, 0.1])
-        planner.add_mesh("ground", str(path))
+    planner.add_mesh("ground", str(path))
+    shutil.rmtree(path.parent)
     return arm_query(planner)
 
 
-def points(count: int) -> Query:
+def cloud(count: int) -> np.ndarray:
+    return seen_points(count, np.random.default_rng(2)) - [0, 0, 0.15]
+
+
+def points(seen: np.ndarray) -> Query:
     planner = srmp.PlannerInterface()
     add_arm(planner, None, "arm", srmp.Pose())
-    planner.add_point_cloud("cloud", seen_points(count, np.random.default_rng(2)) - [0, 0, 0.15], resolution=0.01)
+    planner.add_point_cloud("cloud", seen, resolution=0.01)
     return arm_query(planner)
 
 
@@ -139,24 +148,30 @@ def passage(clearance_mm: float) -> Query:
     return lambda: planner.plan("gantry", [-0.4, -0.2, -0.1], goal)
 
 
-SERIES: dict[str, tuple[str, Callable[[Any], Query], Sequence[float]]] = {
-    "boxes": ("boxes", boxes, (10, 30, 100, 300, 1000, 3000, 10_000)),
-    "triangles": ("triangles", triangles, (1000, 10_000, 100_000, 1_000_000)),
-    "points": ("points of a cloud", points, (1000, 10_000, 100_000, 1_000_000)),
-    "joints": ("joints", joints, (6, 7, 10, 14, 21)),
-    "arms": ("arms", arms, (2, 4, 8, 16, 32, 64, 128)),
-    "passage": ("1 / clearance [1/m]", passage, (100, 30, 10, 3, 1)),
+class Series(NamedTuple):
+    label: str
+    make: Callable[[Any], Query]
+    sizes: Sequence[float]  # of the passage: clearances [mm]
+    material: Callable[[Any], Any] = lambda size: size  # what make() is given; not timed
+
+
+SERIES = {
+    "boxes": Series("boxes", boxes, (10, 30, 100, 300, 1000, 3000, 10_000)),
+    "triangles": Series("triangles", triangles, (1000, 10_000, 100_000, 1_000_000), ground),
+    "points": Series("points of a cloud", points, (1000, 10_000, 100_000, 1_000_000), cloud),
+    "joints": Series("joints", joints, (6, 7, 10, 14, 21)),
+    "arms": Series("arms", arms, (2, 4, 8, 16, 32, 64, 128)),
+    "passage": Series("1 / clearance [1/m]", passage, (100, 30, 10, 3, 1)),
 }
-"""Name: label, scene, and its sizes (of the passage: clearances [mm])."""
 
 
 # --- measurements -----------------------------------------------------------------------------------------------------
 
 
 def row_of(series: str, size: float, repeats: int) -> dict[str, Any]:
-    _, make, _ = SERIES[series]
+    material = SERIES[series].material(size)
     begin = time.process_time()
-    query = make(size)
+    query = SERIES[series].make(material)
     made = time.process_time()
     row: dict[str, Any] = {"series": series, "size": size, "make_s": made - begin, "status": "solved"}
     try:
@@ -170,7 +185,7 @@ def row_of(series: str, size: float, repeats: int) -> dict[str, Any]:
 
 
 def sizes_of(series: str, most: float) -> list[float]:
-    _, _, sizes = SERIES[series]
+    sizes = SERIES[series].sizes
     hardness = [1 / size if series == "passage" else size for size in sizes]
     return [size for size, hard in zip(sizes, hardness, strict=True) if hard <= most * max(hardness)]
 
@@ -236,7 +251,9 @@ def draw(rows: Sequence[dict[str, Any]], path: Path) -> None:
         ):
             y = [np.nan if row[key] is None else 1e3 * row[key] for row in own]
             axes.plot(x, y, style, marker="o", markersize=3, label=label)
-        axes.set(xscale="log", yscale="log", xlabel=SERIES[name][0], ylabel="CPU time [ms]" if k % columns == 0 else "")
+        axes.set(
+            xscale="log", yscale="log", xlabel=SERIES[name].label, ylabel="CPU time [ms]" if k % columns == 0 else ""
+        )
         if max(x) < 10 * min(x):  # hardly a decade: the sizes themselves
             axes.set_xticks(x, [f"{value:g}" for value in x])
             axes.xaxis.set_minor_formatter(NullFormatter())

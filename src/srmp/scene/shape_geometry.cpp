@@ -6,6 +6,7 @@
 #include <coal/shape/geometric_shapes.h>
 
 #include <algorithm>
+#include <boost/sort/spreadsort/integer_sort.hpp>
 #include <cmath>
 
 #include "srmp/core/error.hpp"
@@ -94,7 +95,7 @@ Geometry octree_of(const PointCloud& cloud) {
   codes.reserve(cloud.points.size());
   const auto cell = [&](double x) { return static_cast<std::int32_t>(std::floor(x / cloud.resolution)); };
   for (const Eigen::Vector3d& p : cloud.points) codes.push_back(morton_code({cell(p.x()), cell(p.y()), cell(p.z())}));
-  std::sort(codes.begin(), codes.end());
+  boost::sort::spreadsort::integer_sort(codes.begin(), codes.end());
   codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
   const auto octree = std::make_shared<octomap::OcTree>(cloud.resolution);
   const auto middle = static_cast<std::int32_t>(1u << (octree->getTreeDepth() - 1));
