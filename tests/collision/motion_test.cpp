@@ -375,7 +375,7 @@ BOOST_AUTO_TEST_CASE(distances_of_meshes_and_large_hulls_allocate_nothing) {
       const detail::Placed a{mesh.get(), bvh.get(), of_mesh, here, center};
       const detail::Placed other_mesh{mesh.get(), bvh.get(), of_mesh, there, center_of_other};
       const detail::Placed other_hull{hull.get(), nullptr, of_hull, there, center_of_other};
-      for (const detail::Placed& b : {other_mesh, other_hull}) near += narrow.primitives(a, b, 0.1, 0.0) < 0.1;
+      for (const detail::Placed& b : {other_mesh, other_hull}) near += narrow.primitives(a, b, {.margin = 0.1}) < 0.1;
     }
   };
   BOOST_TEST(allocations_of_second(measure_all) == 0);

@@ -60,7 +60,7 @@ struct Narrow {
       : solids(!a.bvh && !b.bvh), formula(solids ? table.index(*a.geometry, *b.geometry) : -1), narrow(table) {}
   double distance(const Place& a, const Place& b, double margin) {
     if (solids) return narrow.solids(formula, a.placed(), b.placed(), margin);
-    return narrow.primitives(a.placed(), b.placed(), margin, 0.0);
+    return narrow.primitives(a.placed(), b.placed(), {.margin = margin});
   }
   FormulaTable table;
   bool solids;

@@ -241,8 +241,8 @@ bool Bodies::are_closer(const Pair& pair, const RobotGroup::Data& data, double d
     return narrow.solids(pair.formula, {a.solid, nullptr, a.bounds, pose_a, center_a},
                          {b.solid, nullptr, b.bounds, pose_b, center_b}, distance) < infinity;
   return narrow.primitives({a.geometry.get(), a.parts.bvh.get(), a.bounds, pose_a, center_a},
-                           {b.geometry.get(), b.parts.bvh.get(), b.bounds, pose_b, center_b}, distance,
-                           distance) < infinity;
+                           {b.geometry.get(), b.parts.bvh.get(), b.bounds, pose_b, center_b},
+                           {.margin = distance, .enough = distance}) < infinity;
 }
 
 void Bodies::exempt_close_links() {

@@ -70,6 +70,27 @@ struct SeparatedParts {
 /// Is it known that these two parts stay separated?
 using StaysSeparated = std::function<bool(const SeparatedParts&)>;
 
+/// Primitives of two geometries by their numbers, one of each; beside a convex solid, `b` is 0 and `a` the other's.
+struct PrimitivePair {
+  std::uint32_t a{}, b{};
+};
+
+/// A query for the distance of two geometries of which at least one is many primitives.
+struct PrimitiveQuery {
+  static constexpr std::size_t most_near = 32;
+  /// Calls of stays_separated: two bodies that pass each other have few primitives that are near, and where many are,
+  /// parts of the motion are quicker.
+  static constexpr int max_separations = 64;
+
+  double margin{};                         ///< a distance that exceeds it is infinity
+  double enough{};                         ///< may return the distance of any two primitives that is at most this
+  StaysSeparated stays_separated{};        ///< leaves out primitives that stay so; none: leaves out none
+  std::span<const PrimitivePair> among{};  ///< no others; none: all
+  /// All primitives that are neither left out nor farther apart than `margin`; none where the distance is at most
+  /// `enough`, or, being that of any two then, where there are more than most_near.
+  std::vector<PrimitivePair>* near{};
+};
+
 /// The kinds of solids for whose distance Coal has a formula, so that it does not use GJK.
 class FormulaTable {
  public:
@@ -97,16 +118,11 @@ class NarrowPhase {
   static constexpr double contact_distance = 1e-6;
   /// A pair reported farther apart than a margin may be nearer by this much [m], contact_distance included.
   static constexpr double tolerance = 2e-6;
-  /// Queries of whether primitives stay separated, in one query of primitives: two bodies that pass each other have few
-  /// that are near, and where many are, parts of the motion are quicker.
-  static constexpr int max_separation_queries = 64;
 
   /// The distance of two convex solids, 0 in contact; infinity when it exceeds `margin` + contact_distance.
   double solids(int formula, const Placed& a, const Placed& b, double margin, Separation* separation = nullptr);
-  /// The same for two geometries of which at least one has a BVH: branch and bound over the primitives. May return the
-  /// distance of any two primitives once it is at most `enough`. Primitives that stay separated are left out.
-  double primitives(const Placed& a, const Placed& b, double margin, double enough,
-                    const StaysSeparated& stays_separated = {});
+  /// The same for two geometries of which at least one has a BVH: branch and bound over the primitives.
+  double primitives(const Placed& a, const Placed& b, const PrimitiveQuery& query);
 
   /// From now on the queries above call `poll` every some microseconds, whichever query it is then; what it throws
   /// ends that one.

@@ -135,11 +135,11 @@ class TableBuilder {
       return parts.gap > along(turning_.of_a, of_a, change, parts.direction, parts.a) +
                              along(turning_.of_b, of_b, change, parts.direction, parts.b) + reserve;
     };
+    PrimitiveQuery query{.margin = margin, .enough = infinity};
     // Blocks of cells are too large for anything but the distance.
-    const StaysSeparated within_a_cell = half > 0.5 ? StaysSeparated{} : StaysSeparated{std::cref(stays_separated)};
+    if (half <= 0.5) query.stays_separated = std::cref(stays_separated);
     return narrow_->primitives({a_.shape, a_.bvh, a_.bounds, pose_a, center_a},
-                               {b_.shape, b_.bvh, b_.bounds, pose_b, center_b}, margin, infinity,
-                               within_a_cell) == infinity;
+                               {b_.shape, b_.bvh, b_.bounds, pose_b, center_b}, query) == infinity;
   }
 
   Sweep sweep(const std::vector<std::size_t>& actuated_joints, const Eigen::Vector3d& center, double radius,

@@ -128,7 +128,7 @@ double SceneWorkspace::query_distance(const Pair& pair, const Placed& a, const P
                                       Separation* separation) {
   ++statistics.narrow_phase;
   if (!a.bvh && !b.bvh) return narrow_.solids(pair.formula, a, b, margin, separation);
-  return narrow_.primitives(a, b, margin, enough);
+  return narrow_.primitives(a, b, {.margin = margin, .enough = enough});
 }
 
 double SceneWorkspace::hull_distance(const Pair& pair, double margin, double suffices, Separation* separation) {
@@ -240,12 +240,13 @@ double SceneWorkspace::free_gap(const Pair& pair, const Separation& separation, 
 
 /// Checks the pair over an interval around here. Below motion_floor, what is not proved free counts as colliding if the
 /// intervals are those of the whole motion.
-CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, Undecided& undecided) {
-  const double motion = approach(pair, half_width);
+CollisionStatus SceneWorkspace::check_pair(const Interval& interval, Undecided& undecided) {
+  const Pair& pair = bodies_.pairs[interval.pair];
+  const double motion = approach(pair, interval.half_width);
   const double margin = pair.padding + motion + NarrowPhase::tolerance + reserve_;
   const double bound = distance_bound(pair);
   const bool at_floor = motion < Checker::motion_floor;
-  undecided = {at_floor ? 0 : 2, bound};
+  undecided = {at_floor ? 0 : 2, bound, interval.near};
   int& parts = undecided.parts;
   if (bound > margin) return CollisionStatus::free;
   const CollisionStatus unproved =
@@ -259,33 +260,39 @@ CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, 
     while (parts > 0 && parts < max_parts && motion > parts * (distance - pair.padding)) parts *= 2;
     return unproved;
   };
-  if (!pair.solid) {
+  if (!pair.solid && interval.near.count == 0) {
     Separation separation;
     const double limit = margin + NarrowPhase::tolerance;
     const double found = hull_distance(pair, limit, limit - 0.9 * motion, &separation);
-    if (found == infinity || free_gap(pair, separation, half_width) > reserve_) return CollisionStatus::free;
+    if (found == infinity || free_gap(pair, separation, interval.half_width) > reserve_) return CollisionStatus::free;
     // Hulls a tenth of the motion apart prove the parts: that is cheaper than the distance of the meshes.
     if (found > limit - 0.9 * motion && !at_floor) return subdivide_for(found);
   }
   const double touching = pair.padding + NarrowPhase::contact_distance, enough = pair.padding + rough_distance * motion;
-  const double found = pair.solid ? distance(pair, margin, enough) : distance_left(pair, half_width, margin, enough);
+  const double found = pair.solid         ? distance(pair, margin, enough)
+                       : interval.is_part ? distance_of_part(interval, margin, touching, undecided.near)
+                                          : distance_left(interval, {.margin = margin, .enough = enough});
   if (found == infinity) return CollisionStatus::free;
-  if (found <= touching || (!pair.solid && found <= enough && distance(pair, pair.padding, touching) < infinity))
+  if (found <= touching ||
+      (!pair.solid && found <= enough && !interval.is_part && distance(pair, pair.padding, touching) < infinity))
     return CollisionStatus::colliding;
   if (found - pair.padding <= reserve_) {  // no part of the motion around here can be proved with it
     parts = 0;
     return unproved;
   }
-  if (pair.solid && free_gap(pair, separate(pair, margin), half_width) > reserve_) return CollisionStatus::free;
+  if (pair.solid && free_gap(pair, separate(pair, margin), interval.half_width) > reserve_)
+    return CollisionStatus::free;
   return subdivide_for(found);
 }
 
-/// The same as distance(), of those primitives that the interval around here does not keep apart.
-double SceneWorkspace::distance_left(const Pair& pair, double half_width, double margin, double enough) {
+/// The distance of the interval's pair here, of those primitives that the interval does not keep apart.
+double SceneWorkspace::distance_left(const Interval& interval, PrimitiveQuery query) {
+  const Pair& pair = bodies_.pairs[interval.pair];
   const auto motion_of = [&](std::size_t body, std::uint64_t support, const Eigen::Vector3d& direction,
                              std::span<const Eigen::Vector3d> part) {
-    return part.empty() ? displacements_.of(body, place_of(body), support, half_width, &direction)
-                        : displacements_.of(body, place_of(body), support, half_width, direction, part);
+    const Place& place = place_of(body);
+    return part.empty() ? displacements_.of(body, place, support, interval.half_width, &direction)
+                        : displacements_.of(body, place, support, interval.half_width, direction, part);
   };
   const auto stays_separated = [&](const SeparatedParts& parts) {
     const double needed = pair.padding + NarrowPhase::tolerance + reserve_;
@@ -293,39 +300,63 @@ double SceneWorkspace::distance_left(const Pair& pair, double half_width, double
     return left > 0.0 && (pair.b_fixed || left > motion_of(pair.b, pair.support_b, parts.direction, parts.b));
   };
   ++statistics.narrow_phase;
-  return narrow_.primitives(placed(false, pair.a), placed(pair.b_fixed, pair.b), margin, enough,
-                            std::cref(stays_separated));
+  query.stays_separated = std::cref(stays_separated);
+  return narrow_.primitives(placed(false, pair.a), placed(pair.b_fixed, pair.b), query);
 }
 
-/// Checks the pair over an interval around here, and subdivides the interval when that is undecided. False: the motion
-/// is not free.
-bool SceneWorkspace::process(std::uint32_t pair, double t, double half_width) {
-  if (is_still(bodies_.pairs[pair])) return start_is_free_ || !in_contact(bodies_.pairs[pair]);
-  if (reserve_ > 0.0 && std::find(close_.begin(), close_.end(), pair) != close_.end()) return true;  // decided later
-  if (reserve_ > 0.0 && table_proves(bodies_.pairs[pair], t - half_width, t + half_width)) return true;
+/// The same of an interval that follows from another: where few primitives are left in one, they alone are for its
+/// parts, and those few of them that are left for its parts' parts. That takes far less than searching all of them
+/// again and again where two bodies pass each other closely.
+double SceneWorkspace::distance_of_part(const Interval& part, double margin, double touching, Near& near) {
+  const double found = distance_left(part, {.margin = margin,
+                                            .enough = touching,
+                                            .among = std::span(near_).subspan(part.near.first, part.near.count),
+                                            .near = &new_near_});
+  const std::size_t count = new_near_.size();
+  if (count > 0 && (part.near.count == 0 || 2 * count < part.near.count)) {  // else those of the whole will do
+    near = {static_cast<std::uint32_t>(near_.size()), static_cast<std::uint32_t>(count)};
+    near_.insert(near_.end(), new_near_.begin(), new_near_.end());
+  }
+  return found;
+}
+
+/// Checks the interval's pair around here, and subdivides the interval when that is undecided. False: the motion is not
+/// free.
+bool SceneWorkspace::process(const Interval& interval) {
+  const Pair& pair = bodies_.pairs[interval.pair];
+  if (is_still(pair)) return start_is_free_ || !in_contact(pair);
+  if (reserve_ > 0.0 && std::find(close_.begin(), close_.end(), interval.pair) != close_.end())
+    return true;  // decided later
+  if (reserve_ > 0.0 && table_proves(pair, interval.t - interval.half_width, interval.t + interval.half_width))
+    return true;
   Undecided undecided;
-  const CollisionStatus status = check_pair(bodies_.pairs[pair], half_width, undecided);
+  const CollisionStatus status = check_pair(interval, undecided);
   if (status == CollisionStatus::undecided) {
     if (undecided.parts > 0)
-      subdivide({t, half_width, pair, undecided.distance}, undecided.parts);
+      subdivide(interval, undecided);
     else
-      close_.push_back(pair);
+      close_.push_back(interval.pair);
   }
   return status != CollisionStatus::colliding;
 }
 
 /// Leaves the parts of the interval, each with its distance, for later.
-void SceneWorkspace::subdivide(const Interval& whole, int parts) {
-  const double part = whole.half_width / parts;
-  for (int i = 0; i < parts; ++i)
-    next_.push_back({whole.t - whole.half_width + (2 * i + 1) * part, part, whole.pair, whole.distance});
+void SceneWorkspace::subdivide(const Interval& whole, const Undecided& undecided) {
+  const double part = whole.half_width / undecided.parts;
+  for (int i = 0; i < undecided.parts; ++i)
+    next_.push_back({.t = whole.t - whole.half_width + (2 * i + 1) * part,
+                     .half_width = part,
+                     .pair = whole.pair,
+                     .is_part = true,
+                     .distance = undecided.distance,
+                     .near = undecided.near});
 }
 
 bool SceneWorkspace::process_whole_motion_of(std::size_t body) {
   constexpr double half_width = 0.5;
   if (bodies_.moving[body].support & displacements_.active())
     return for_each_fixed_near(body, displacement(body, bodies_.moving[body].support, half_width),
-                               [&](std::uint32_t pair) { return process(pair, 0.5, half_width); });
+                               [&](std::uint32_t pair) { return process({0.5, half_width, pair}); });
   if (start_is_free_) return true;
   return for_each_fixed_near(body, 0.0, [&](std::uint32_t pair) { return !in_contact(bodies_.pairs[pair]); });
 }
@@ -336,7 +367,7 @@ bool SceneWorkspace::process_whole_motion() {
   for (std::size_t i = 0; i < bodies_.moving.size(); ++i)
     if (!process_whole_motion_of(i)) return false;
   return std::all_of(bodies_.moving_pairs.begin(), bodies_.moving_pairs.end(),
-                     [&](std::uint32_t pair) { return process(pair, 0.5, 0.5); });
+                     [&](std::uint32_t pair) { return process({0.5, 0.5, pair}); });
 }
 
 void SceneWorkspace::sort_open() {
@@ -371,7 +402,7 @@ bool SceneWorkspace::resolve_intervals() {
       const double t = open_[i].t;
       place_sample(t);
       for (; i < open_.size() && open_[i].t == t; ++i)
-        if (!process(open_[i].pair, t, open_[i].half_width)) return false;
+        if (!process(open_[i])) return false;
     }
     std::swap(open_, next_);
   }
@@ -391,7 +422,7 @@ bool SceneWorkspace::resolve_nearest_first() {
     open_.pop_back();
     place_sample(interval.t);
     next_.clear();
-    if (!process(interval.pair, interval.t, interval.half_width)) return false;
+    if (!process(interval)) return false;
     for (const Interval& part : next_) {
       open_.push_back(part);
       std::push_heap(open_.begin(), open_.end(), later);
@@ -410,7 +441,8 @@ void SceneWorkspace::place_sample(double t) {
 bool SceneWorkspace::resolve_close() {
   reserve_ = 0.0;
   return std::all_of(close_.begin(), close_.end(), [&](std::uint32_t pair) {
-    open_.assign(1, {0.5, 0.5, pair, 0.0});
+    near_.clear();
+    open_.assign(1, {0.5, 0.5, pair});
     return resolve_nearest_first();
   });
 }
@@ -429,7 +461,7 @@ CollisionStatus SceneWorkspace::check_with_spheres() {
       if (table_proves(bodies_.pairs[pair], u.t - u.half, u.t + u.half)) continue;
       auto& [low, high] = span_of_[pair];
       if (high < low) {
-        open_.push_back({0.0, 0.0, pair, 0.0});
+        open_.push_back({0.0, 0.0, pair});
         low = u.t - u.half;
       }
       high = u.t + u.half;
@@ -463,6 +495,7 @@ bool SceneWorkspace::resolve_with_coal() {
 
 bool SceneWorkspace::is_motion_free(const MotionQuery& query) {
   start_is_free_ = query.start_is_free;
+  near_.clear();
   reserve_ = proof_reserve;
   close_.clear();
   if (displacements_.active() == 0) {

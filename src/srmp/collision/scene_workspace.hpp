@@ -79,15 +79,22 @@ class SceneWorkspace final : public Checker::Workspace {
   void check_block(ConstRows q, std::span<bool> free, const StateQuery& query);
 
  private:
+  /// Primitives of a pair, of near_, which alone may come into contact in a part of the motion; none: all may.
+  struct Near {
+    std::uint32_t first{}, count{};
+  };
   /// A part of the motion around t, over which a pair is still to be checked.
   struct Interval {
     double t, half_width;
     std::uint32_t pair;
-    double distance;  // about that of the pair there
+    bool is_part{};     // of one that was undecided, though distances may have been computed
+    double distance{};  // about that of the pair there
+    Near near{};
   };
   struct Undecided {
     int parts{};        // into which an interval is to be subdivided; 0: into none
     double distance{};  // about that of the pair
+    Near near{};
   };
 
   const Place& place_of(std::size_t body);
@@ -101,10 +108,11 @@ class SceneWorkspace final : public Checker::Workspace {
   bool for_each_fixed_near(std::size_t body, double margin, Visit&& visit);
 
   bool table_proves(const Pair& pair, double from, double to);
-  double distance_left(const Pair& pair, double half_width, double margin, double enough);
-  CollisionStatus check_pair(const Pair& pair, double half_width, Undecided& undecided);
-  bool process(std::uint32_t pair, double t, double half_width);
-  void subdivide(const Interval& whole, int parts);
+  double distance_left(const Interval& interval, PrimitiveQuery query);
+  double distance_of_part(const Interval& part, double margin, double touching, Near& near);
+  CollisionStatus check_pair(const Interval& interval, Undecided& undecided);
+  bool process(const Interval& interval);
+  void subdivide(const Interval& whole, const Undecided& undecided);
   bool process_whole_motion();
   bool process_whole_motion_of(std::size_t body);
   void sort_open();
@@ -131,6 +139,7 @@ class SceneWorkspace final : public Checker::Workspace {
   double reserve_{};                  // farther than this must a pair stay apart to be proved free
   std::vector<std::uint32_t> close_;  // pairs that this motion's intervals proved neither free nor in contact
   std::vector<Interval> open_, next_;
+  std::vector<PrimitivePair> near_, new_near_;
   int samples_{};                                   // placed, for looks at the deadline
   std::vector<std::pair<double, double>> span_of_;  // [pair] part of the motion that is open; empty between motions
 };

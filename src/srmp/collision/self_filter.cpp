@@ -37,7 +37,7 @@ class NearGeometry {
     const Placed sphere{&sphere_, nullptr, sphere_bounds_, sphere_pose, point};
     const Placed body{&geometry_, bvh_, bounds_, pose_, center_};
     const double distance =
-        bvh_ ? narrow_->primitives(sphere, body, 0.0, 1.0) : narrow_->solids(formula_, sphere, body, 0.0);
+        bvh_ ? narrow_->primitives(sphere, body, {.enough = 1.0}) : narrow_->solids(formula_, sphere, body, 0.0);
     return distance <= NarrowPhase::contact_distance;
   }
 
