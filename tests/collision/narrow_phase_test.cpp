@@ -92,7 +92,78 @@ int check_margins(const NamedShape& a, const NamedShape& b, int places, Dice& di
   return beside;
 }
 
+std::size_t primitives_of(const NamedShape& body) {
+  return body.bvh ? std::max(body.bvh->triangles().size(), body.bvh->cubes().size()) : 1;
+}
+
+/// Returns how often there were near primitives, but not too many. `a` has primitives.
+int check_near_primitives(const NamedShape& a, const NamedShape& b, Dice& dice) {
+  Narrow narrow(a, b);
+  int listed = 0;
+  for (int k = 0; k < 30; ++k) {
+    const Pose pose = somewhere(dice);
+    const Place place_a(a, somewhere(dice)), place_b(b, pose);
+    const double distance = narrow.distance(place_a, place_b, 1.0), margin = distance + 0.004;
+    if (distance <= 1e-5) continue;
+    std::vector<PrimitivePair> near, alone;
+    const double found =
+        narrow.narrow.primitives(place_a.placed(), place_b.placed(), {.margin = margin, .near = &near});
+    if (near.empty()) continue;  // too many
+    ++listed;
+    BOOST_TEST(near.size() <= PrimitiveQuery::most_near);
+    BOOST_TEST(std::abs(found - distance) < NarrowPhase::tolerance);
+    // One by one, the same primitives are within the margin.
+    for (std::uint32_t i = 0; i < primitives_of(a); ++i)
+      for (std::uint32_t j = 0; j < primitives_of(b); ++j) {
+        const PrimitivePair pair{i, j};
+        const double own = narrow.narrow.primitives(place_a.placed(), place_b.placed(),
+                                                    {.margin = margin + 1e-4, .among = std::span(&pair, 1)});
+        const bool is_near = std::ranges::any_of(near, [&](auto& other) { return other.a == i && other.b == j; });
+        if (std::abs(own - margin) > NarrowPhase::tolerance) BOOST_TEST(is_near == (own < margin));
+      }
+    // Moved by less than what the margin leaves, they are all that matter.
+    Pose moved_pose = pose;
+    moved_pose.p += Eigen::Vector3d(0.001, 0.0, -0.001);
+    const Place moved(b, moved_pose);
+    const double after = narrow.distance(place_a, moved, margin - 0.0015);
+    alone = near;
+    const double among = narrow.narrow.primitives(place_a.placed(), moved.placed(),
+                                                  {.margin = margin - 0.0015, .among = alone, .near = &near});
+    BOOST_TEST((among == after || std::abs(among - after) < NarrowPhase::tolerance));
+    BOOST_TEST(near.size() <= alone.size());
+  }
+  return listed;
+}
+
 }  // namespace
+
+BOOST_AUTO_TEST_CASE(near_primitives_are_all_that_matter_nearby) {
+  const std::vector<NamedShape> all = bodies_and_large_ones();
+  Dice dice(17);
+  int listed = 0;
+  for (const NamedShape& other : all) listed += check_near_primitives(all.front(), other, dice);
+  BOOST_TEST(listed > 100);
+}
+
+BOOST_AUTO_TEST_CASE(a_query_ends_at_what_is_enough_and_where_many_are_near) {
+  const NamedShape body = body_of("dented", make_geometry(dented(), "dented"));
+  Narrow narrow(body, body);
+  const Place place(body, Pose{}), beside(body, at(2.0 * body.bounds.radius + 0.01, 0, 0, 0, 0, 0));
+  const double distance = narrow.distance(place, beside, 1.0);
+  const auto near_within = [&](double margin, double enough) {
+    std::vector<PrimitivePair> near{{7, 7}};
+    const double found =
+        narrow.narrow.primitives(place.placed(), beside.placed(), {.margin = margin, .enough = enough, .near = &near});
+    return std::pair(found, near.size());
+  };
+  BOOST_TEST(near_within(distance - 1e-5, 0.0).first == infinity);
+  BOOST_TEST(near_within(distance - 1e-5, 0.0).second == 0u);
+  BOOST_TEST(near_within(distance + 1e-5, 0.0).second > 0u);
+  BOOST_TEST(near_within(distance + 1e-5, 1.0).second == 0u);  // any is enough
+  const auto [found, listed] = near_within(1.0, 0.0);
+  BOOST_TEST(found >= distance - NarrowPhase::tolerance);
+  BOOST_TEST(listed == 0u);  // all are near
+}
 
 BOOST_AUTO_TEST_CASE(margins_hold_where_many_primitives_are_near) {
   const std::vector<NamedShape> all = bodies_and_large_ones();
