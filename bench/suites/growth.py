@@ -14,7 +14,6 @@ from __future__ import annotations
 import argparse
 import re
 import resource
-import shutil
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -56,17 +55,17 @@ def boxes(count: int) -> Query:
     return arm_query(planner)
 
 
-def ground(count: int) -> Path:
-    path = Path(tempfile.mkdtemp()) / "ground.stl"
-    write_stl(path, bumpy_ground(round(np.sqrt(count / 2)), np.random.default_rng(1)) - [0, 0, 0.1])
-    return path
+def ground(count: int) -> tempfile.TemporaryDirectory[str]:
+    directory = tempfile.TemporaryDirectory()
+    triangles = bumpy_ground(round(np.sqrt(count / 2)), np.random.default_rng(1)) - [0, 0, 0.1]
+    write_stl(Path(directory.name) / "ground.stl", triangles)
+    return directory
 
 
-def triangles(path: Path) -> Query:
+def triangles(directory: tempfile.TemporaryDirectory[str]) -> Query:
     planner = srmp.PlannerInterface()
     add_arm(planner, None, "arm", srmp.Pose())
-    planner.add_mesh("ground", str(path))
-    shutil.rmtree(path.parent)
+    planner.add_mesh("ground", str(Path(directory.name) / "ground.stl"))
     return arm_query(planner)
 
 

@@ -201,6 +201,56 @@ BOOST_AUTO_TEST_CASE(meshes_that_pass_each_other_closely_take_few_distances) {
   }
 }
 
+namespace {
+
+/// The smallest distance along the motion, at so many configurations.
+double smallest_distance(const Scene& scene, const Motion& motion, int samples) {
+  const SceneChecker checker(scene, "slide", {.mode = CheckMode::coal});
+  const auto workspace = checker.make_workspace();
+  double smallest = 1.0;
+  sample(checker.robot(), motion, 1.0, (motion.b - motion.a).lpNorm<1>() / samples, [&](const Eigen::VectorXd& q) {
+    smallest = std::min(smallest, checker.nearest(q, *workspace)->distance);
+    return true;
+  });
+  return smallest;
+}
+
+/// A shape on the cart passes another one at about this distance, or does not.
+void check_passing(const Mesh& held, const Mesh& beside, double clearance, Dice& dice) {
+  Scene scene;
+  scene.add_robot(slide());
+  scene.set_qpos("slide", Eigen::Vector3d(0, 0, 0));
+  scene.add_object("held", held, {});
+  scene.attach_object("held", "slide", "cart", {}, at(0, 0, 0.5, dice.in(-3, 3), dice.in(-3, 3), dice.in(-3, 3)));
+  Pose place = scene.link_pose("slide", "cart") * at(0, 0, 0.5, dice.in(-3, 3), dice.in(-3, 3), dice.in(-3, 3));
+  place.p.x() += 0.3;
+  scene.add_object("beside", beside, place);
+  const Motion motion{Eigen::Vector3d(-0.15, 0, 0), Eigen::Vector3d(0.15, 0, 0)};
+  for (int k = 0; k < 4; ++k) {
+    place.p.x() -= smallest_distance(scene, motion, 60) - clearance;
+    scene.set_object_pose("beside", place);
+  }
+  const double smallest = smallest_distance(scene, motion, 600);
+  const SceneChecker checker(scene, "slide");
+  const auto workspace = checker.make_workspace();
+  const bool is_free = checker.is_motion_free(motion.a, motion.b, *workspace);
+  if (smallest < 1e-6) BOOST_TEST(!is_free);
+  if (smallest > 6e-5) BOOST_TEST(is_free);
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(meshes_that_pass_each_other_closely_are_free_where_they_stay_apart) {
+  const Mesh mesh = dented(), hull = hull_of(mesh);
+  Dice dice(23);
+  for (int i = 0; i < amount(3); ++i)
+    for (const double clearance : {-2e-5, 2e-5, 8e-5, 2e-4}) {
+      check_passing(mesh, mesh, clearance, dice);
+      check_passing(hull, mesh, clearance, dice);
+      check_passing(mesh, hull, clearance, dice);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_long_check_stops_at_the_deadline_and_a_short_one_need_not) {
   Scene scene;
   scene.add_robot(robots::planar());

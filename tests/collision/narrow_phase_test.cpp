@@ -107,10 +107,10 @@ int check_near_primitives(const NamedShape& a, const NamedShape& b, Dice& dice) 
     if (distance <= 1e-5) continue;
     std::vector<PrimitivePair> near, alone;
     const double found =
-        narrow.narrow.primitives(place_a.placed(), place_b.placed(), {.margin = margin, .near = &near});
+        narrow.narrow.primitives(place_a.placed(), place_b.placed(), {.margin = margin, .candidates = &near});
     if (near.empty()) continue;  // too many
     ++listed;
-    BOOST_TEST(near.size() <= PrimitiveQuery::most_near);
+    BOOST_TEST(near.size() <= PrimitiveQuery::max_candidates);
     BOOST_TEST(std::abs(found - distance) < NarrowPhase::tolerance);
     // One by one, the same primitives are within the margin.
     for (std::uint32_t i = 0; i < primitives_of(a); ++i)
@@ -128,7 +128,7 @@ int check_near_primitives(const NamedShape& a, const NamedShape& b, Dice& dice) 
     const double after = narrow.distance(place_a, moved, margin - 0.0015);
     alone = near;
     const double among = narrow.narrow.primitives(place_a.placed(), moved.placed(),
-                                                  {.margin = margin - 0.0015, .among = alone, .near = &near});
+                                                  {.margin = margin - 0.0015, .among = alone, .candidates = &near});
     BOOST_TEST((among == after || std::abs(among - after) < NarrowPhase::tolerance));
     BOOST_TEST(near.size() <= alone.size());
   }
@@ -145,24 +145,25 @@ BOOST_AUTO_TEST_CASE(near_primitives_are_all_that_matter_nearby) {
   BOOST_TEST(listed > 100);
 }
 
-BOOST_AUTO_TEST_CASE(a_query_ends_at_what_is_enough_and_where_many_are_near) {
+BOOST_AUTO_TEST_CASE(where_many_primitives_are_near_none_are_candidates) {
   const NamedShape body = body_of("dented", make_geometry(dented(), "dented"));
   Narrow narrow(body, body);
   const Place place(body, Pose{}), beside(body, at(2.0 * body.bounds.radius + 0.01, 0, 0, 0, 0, 0));
   const double distance = narrow.distance(place, beside, 1.0);
-  const auto near_within = [&](double margin, double enough) {
-    std::vector<PrimitivePair> near{{7, 7}};
-    const double found =
-        narrow.narrow.primitives(place.placed(), beside.placed(), {.margin = margin, .enough = enough, .near = &near});
-    return std::pair(found, near.size());
+  std::vector<PrimitivePair> candidates{{7, 7}};
+  const auto query = [&](double margin, double enough) {
+    return narrow.narrow.primitives(place.placed(), beside.placed(),
+                                    {.margin = margin, .enough = enough, .candidates = &candidates});
   };
-  BOOST_TEST(near_within(distance - 1e-5, 0.0).first == infinity);
-  BOOST_TEST(near_within(distance - 1e-5, 0.0).second == 0u);
-  BOOST_TEST(near_within(distance + 1e-5, 0.0).second > 0u);
-  BOOST_TEST(near_within(distance + 1e-5, 1.0).second == 0u);  // any is enough
-  const auto [found, listed] = near_within(1.0, 0.0);
-  BOOST_TEST(found >= distance - NarrowPhase::tolerance);
-  BOOST_TEST(listed == 0u);  // all are near
+  BOOST_TEST(query(distance - 1e-5, 0.0) == infinity);
+  BOOST_TEST(candidates.empty());
+  BOOST_TEST(query(distance + 1e-5, 0.0) < infinity);
+  BOOST_TEST(!candidates.empty());
+  BOOST_TEST(std::abs(query(1.0, 0.0) - distance) < NarrowPhase::tolerance);
+  BOOST_TEST(candidates.empty());  // all are near
+  const double any = query(1.0, 1.0);
+  BOOST_TEST((any > distance - NarrowPhase::tolerance && any < 1.0));
+  BOOST_TEST(candidates.empty());
 }
 
 BOOST_AUTO_TEST_CASE(margins_hold_where_many_primitives_are_near) {

@@ -2,8 +2,6 @@
 
 #include <coal/collision.h>
 #include <coal/distance.h>
-#include <coal/narrowphase/gjk.h>
-#include <coal/narrowphase/minkowski_difference.h>
 #include <coal/narrowphase/support_functions.h>
 #include <coal/shape/convex.h>
 #include <coal/shape/geometric_shapes.h>
@@ -12,7 +10,6 @@
 #include <array>
 #include <functional>
 #include <limits>
-#include <optional>
 
 #include "srmp/collision/gjk.hpp"
 #include "srmp/collision/oriented_box.hpp"

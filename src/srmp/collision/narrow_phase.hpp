@@ -77,18 +77,19 @@ struct PrimitivePair {
 
 /// A query for the distance of two geometries of which at least one is many primitives.
 struct PrimitiveQuery {
-  static constexpr std::size_t most_near = 32;
   /// Calls of stays_separated: two bodies that pass each other have few primitives that are near, and where many are,
   /// parts of the motion are quicker.
   static constexpr int max_separations = 64;
+  static constexpr std::size_t max_candidates = 32;
+  static constexpr int max_boxes = 1024;  ///< pairs of boxes that are visited for candidates
 
   double margin{};                         ///< a distance that exceeds it is infinity
   double enough{};                         ///< may return the distance of any two primitives that is at most this
   StaysSeparated stays_separated{};        ///< leaves out primitives that stay so; none: leaves out none
   std::span<const PrimitivePair> among{};  ///< no others; none: all
-  /// All primitives that are neither left out nor farther apart than `margin`; none where the distance is at most
-  /// `enough`, or, being that of any two then, where there are more than most_near.
-  std::vector<PrimitivePair>* near{};
+  /// Receives all primitives that are neither left out nor farther apart than `margin`; not to be that of `among`. None
+  /// where that would be too many, or take too many boxes: the query goes on without them.
+  std::vector<PrimitivePair>* candidates{};
 };
 
 /// The kinds of solids for whose distance Coal has a formula, so that it does not use GJK.

@@ -89,30 +89,43 @@ class PrimitiveDistance::Shape {
 /// What a query has found.
 class PrimitiveDistance::Found {
  public:
-  explicit Found(const PrimitiveQuery& query) : query_(query), limit_(query.margin + NarrowPhase::tolerance) {
-    if (query_.near) query_.near->clear();
+  explicit Found(const PrimitiveQuery& query)
+      : query_(query), collects_(query.candidates != nullptr), limit_(query.margin + NarrowPhase::tolerance) {
+    if (collects_) query_.candidates->clear();
   }
 
   double distance() const { return distance_; }
   /// Primitives that are proved to be farther apart need no distance.
   double limit() const { return limit_; }
-  /// Primitives farther apart need no exact one.
-  double margin() const { return query_.near ? query_.margin : std::min(query_.margin, distance_); }
-  bool needs(double distance) const { return query_.near ? distance < infinity : distance < distance_; }
-  /// Adds a distance that is needed; true: the query ends.
+  /// Primitives farther apart need no exact distance.
+  double margin() const { return collects_ ? query_.margin : std::min(query_.margin, distance_); }
+  bool needs(double distance) const { return collects_ ? distance < infinity : distance < distance_; }
+
+  void count_box() {
+    if (collects_ && ++boxes_ > PrimitiveQuery::max_boxes) give_up_candidates();
+  }
+  /// Adds a distance that is needed; true: it is enough.
   bool add(double distance, std::size_t a, std::size_t b) {
     distance_ = std::min(distance_, distance);
-    if (query_.near)
-      query_.near->push_back({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b)});
-    else
-      limit_ = std::min(limit_, distance_ + NarrowPhase::tolerance);
-    const bool ends = distance_ <= query_.enough || (query_.near && query_.near->size() > PrimitiveQuery::most_near);
-    if (ends && query_.near) query_.near->clear();
-    return ends;
+    if (collects_ && query_.candidates->size() == PrimitiveQuery::max_candidates) give_up_candidates();
+    if (collects_) {
+      query_.candidates->push_back({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b)});
+      return false;
+    }
+    limit_ = std::min(limit_, distance_ + NarrowPhase::tolerance);
+    return distance_ <= query_.enough;
   }
 
  private:
+  void give_up_candidates() {
+    collects_ = false;
+    query_.candidates->clear();
+    limit_ = std::min(limit_, distance_ + NarrowPhase::tolerance);
+  }
+
   const PrimitiveQuery& query_;
+  bool collects_;
+  int boxes_{};
   double distance_{infinity}, limit_;
 };
 
@@ -129,7 +142,9 @@ double PrimitiveDistance::find(const Placed& a, const Placed& b, const Primitive
   const auto swapped = [&](const SeparatedParts& parts) {
     return query.stays_separated({parts.direction, parts.gap, parts.b, parts.a});
   };
-  return solid_to_primitives(b, a, {query.margin, query.enough, std::cref(swapped), query.among, query.near});
+  PrimitiveQuery other = query;
+  other.stays_separated = std::cref(swapped);
+  return solid_to_primitives(b, a, other);
 }
 
 /// Keeps the axis that separates the primitives of a and b that GJK ran for last. `to_a`: from the frame of b.
@@ -240,13 +255,13 @@ double PrimitiveDistance::solid_to_primitives(const Placed& solid, const Placed&
   const auto bound_to = [&](std::uint32_t node) {
     return distances.squared_bound(tree.nodes()[node].box, box, static_cast<float>(found.limit() * found.limit()));
   };
+  for (const PrimitivePair& pair : query.among)
+    if (add(pair.a)) break;
   open_.clear();
-  if (query.among.empty())
-    open_.push_back({bound_to(0), 0, 0});
-  else
-    std::ranges::any_of(query.among, [&](const PrimitivePair& pair) { return add(pair.a); });
+  if (query.among.empty()) open_.push_back({bound_to(0), 0, 0});
   while (!open_.empty()) {
     gjk_.count_step();
+    found.count_box();
     const Open next = open_.back();
     open_.pop_back();
     const double limit = found.limit();
@@ -293,13 +308,13 @@ double PrimitiveDistance::primitives_to_primitives(const Placed& a, const Placed
     const auto squared_limit = static_cast<float>(found.limit() * found.limit());
     return Open{distances.squared_bound(tree_a.nodes()[i].box, b_box, squared_limit), i, j};
   };
+  for (const PrimitivePair& pair : query.among)
+    if (add(pair.a, pair.b)) break;
   open_.clear();
-  if (query.among.empty())
-    open_.push_back(entry(0, 0, box_of_b(0)));
-  else
-    std::ranges::any_of(query.among, [&](const PrimitivePair& pair) { return add(pair.a, pair.b); });
+  if (query.among.empty()) open_.push_back(entry(0, 0, box_of_b(0)));
   while (!open_.empty()) {
     gjk_.count_step();
+    found.count_box();
     const Open next = open_.back();
     open_.pop_back();
     const double limit = found.limit();

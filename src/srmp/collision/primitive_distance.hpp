@@ -1,5 +1,9 @@
 #pragma once
 
+#include <coal/shape/geometric_shapes.h>
+
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <vector>
 

@@ -16,6 +16,10 @@ namespace {
 /// Distances of meshes below this fraction of an interval's motion are not refined: the interval is subdivided anyway.
 constexpr double rough_distance = 0.3;
 
+/// Where a part has too many candidates, its own parts look for them from this fraction of the margin on.
+constexpr double retry_candidates = 0.125;
+constexpr std::size_t most_candidates = 1 << 20;  // of one motion: further parts have those of the whole
+
 /// An interval is subdivided into so many parts that the pair's distance could prove each, but no more than this.
 constexpr int max_parts = 16;
 constexpr int samples_per_deadline_check = 32;
@@ -246,7 +250,7 @@ CollisionStatus SceneWorkspace::check_pair(const Interval& interval, Undecided& 
   const double margin = pair.padding + motion + NarrowPhase::tolerance + reserve_;
   const double bound = distance_bound(pair);
   const bool at_floor = motion < Checker::motion_floor;
-  undecided = {at_floor ? 0 : 2, bound, interval.near};
+  undecided = {at_floor ? 0 : 2, bound, interval.candidates};
   int& parts = undecided.parts;
   if (bound > margin) return CollisionStatus::free;
   const CollisionStatus unproved =
@@ -260,7 +264,7 @@ CollisionStatus SceneWorkspace::check_pair(const Interval& interval, Undecided& 
     while (parts > 0 && parts < max_parts && motion > parts * (distance - pair.padding)) parts *= 2;
     return unproved;
   };
-  if (!pair.solid && interval.near.count == 0) {
+  if (!pair.solid && interval.candidates.count == 0) {
     Separation separation;
     const double limit = margin + NarrowPhase::tolerance;
     const double found = hull_distance(pair, limit, limit - 0.9 * motion, &separation);
@@ -269,12 +273,12 @@ CollisionStatus SceneWorkspace::check_pair(const Interval& interval, Undecided& 
     if (found > limit - 0.9 * motion && !at_floor) return subdivide_for(found);
   }
   const double touching = pair.padding + NarrowPhase::contact_distance, enough = pair.padding + rough_distance * motion;
+  const PrimitiveQuery query{.margin = margin, .enough = enough};
   const double found = pair.solid         ? distance(pair, margin, enough)
-                       : interval.is_part ? distance_of_part(interval, margin, touching, undecided.near)
-                                          : distance_left(interval, {.margin = margin, .enough = enough});
+                       : interval.is_part ? distance_of_part(interval, query, undecided.candidates)
+                                          : distance_left(interval, query);
   if (found == infinity) return CollisionStatus::free;
-  if (found <= touching ||
-      (!pair.solid && found <= enough && !interval.is_part && distance(pair, pair.padding, touching) < infinity))
+  if (found <= touching || (!pair.solid && found <= enough && distance(pair, pair.padding, touching) < infinity))
     return CollisionStatus::colliding;
   if (found - pair.padding <= reserve_) {  // no part of the motion around here can be proved with it
     parts = 0;
@@ -304,19 +308,23 @@ double SceneWorkspace::distance_left(const Interval& interval, PrimitiveQuery qu
   return narrow_.primitives(placed(false, pair.a), placed(pair.b_fixed, pair.b), query);
 }
 
-/// The same of an interval that follows from another: where few primitives are left in one, they alone are for its
-/// parts, and those few of them that are left for its parts' parts. That takes far less than searching all of them
-/// again and again where two bodies pass each other closely.
-double SceneWorkspace::distance_of_part(const Interval& part, double margin, double touching, Near& near) {
-  const double found = distance_left(part, {.margin = margin,
-                                            .enough = touching,
-                                            .among = std::span(near_).subspan(part.near.first, part.near.count),
-                                            .near = &new_near_});
-  const std::size_t count = new_near_.size();
-  if (count > 0 && (part.near.count == 0 || 2 * count < part.near.count)) {  // else those of the whole will do
-    near = {static_cast<std::uint32_t>(near_.size()), static_cast<std::uint32_t>(count)};
-    near_.insert(near_.end(), new_near_.begin(), new_near_.end());
-  }
+/// The same of a part of an interval, which checks only what is left of the whole's candidates, or of all if it has
+/// none; what is `left` is for its own parts. Without that, two meshes that pass each other closely would be searched
+/// again and again.
+double SceneWorkspace::distance_of_part(const Interval& part, const PrimitiveQuery& query, Candidates& left) {
+  const Candidates& known = part.candidates;
+  if (known.count == 0 && query.margin > known.max_margin) return distance_left(part, query);
+  PrimitiveQuery collecting = query;
+  collecting.among = std::span(candidates_).subspan(known.first, known.count);
+  collecting.candidates = &new_candidates_;
+  const double found = distance_left(part, collecting);
+  const std::size_t count = new_candidates_.size();
+  if (count == 0) left.max_margin = retry_candidates * query.margin;  // there are too many
+  if (count == 0 || candidates_.size() > most_candidates) return found;
+  if (known.count > 0 && 2 * count > known.count) return found;  // those of the whole will do
+  left.first = static_cast<std::uint32_t>(candidates_.size());
+  left.count = static_cast<std::uint32_t>(count);
+  candidates_.insert(candidates_.end(), new_candidates_.begin(), new_candidates_.end());
   return found;
 }
 
@@ -349,7 +357,7 @@ void SceneWorkspace::subdivide(const Interval& whole, const Undecided& undecided
                      .pair = whole.pair,
                      .is_part = true,
                      .distance = undecided.distance,
-                     .near = undecided.near});
+                     .candidates = undecided.candidates});
 }
 
 bool SceneWorkspace::process_whole_motion_of(std::size_t body) {
@@ -441,7 +449,7 @@ void SceneWorkspace::place_sample(double t) {
 bool SceneWorkspace::resolve_close() {
   reserve_ = 0.0;
   return std::all_of(close_.begin(), close_.end(), [&](std::uint32_t pair) {
-    near_.clear();
+    candidates_.clear();
     open_.assign(1, {0.5, 0.5, pair});
     return resolve_nearest_first();
   });
@@ -495,7 +503,7 @@ bool SceneWorkspace::resolve_with_coal() {
 
 bool SceneWorkspace::is_motion_free(const MotionQuery& query) {
   start_is_free_ = query.start_is_free;
-  near_.clear();
+  candidates_.clear();
   reserve_ = proof_reserve;
   close_.clear();
   if (displacements_.active() == 0) {

@@ -79,22 +79,23 @@ class SceneWorkspace final : public Checker::Workspace {
   void check_block(ConstRows q, std::span<bool> free, const StateQuery& query);
 
  private:
-  /// Primitives of a pair, of near_, which alone may come into contact in a part of the motion; none: all may.
-  struct Near {
+  /// Primitives of a pair, in candidates_, that alone may come into contact in a part of the motion; none: all may.
+  struct Candidates {
     std::uint32_t first{}, count{};
+    double max_margin{infinity};  // of a query for them
   };
   /// A part of the motion around t, over which a pair is still to be checked.
   struct Interval {
     double t, half_width;
     std::uint32_t pair;
-    bool is_part{};     // of one that was undecided, though distances may have been computed
+    bool is_part{};     // of another interval, which was undecided
     double distance{};  // about that of the pair there
-    Near near{};
+    Candidates candidates{};
   };
   struct Undecided {
     int parts{};        // into which an interval is to be subdivided; 0: into none
     double distance{};  // about that of the pair
-    Near near{};
+    Candidates candidates{};
   };
 
   const Place& place_of(std::size_t body);
@@ -109,7 +110,7 @@ class SceneWorkspace final : public Checker::Workspace {
 
   bool table_proves(const Pair& pair, double from, double to);
   double distance_left(const Interval& interval, PrimitiveQuery query);
-  double distance_of_part(const Interval& part, double margin, double touching, Near& near);
+  double distance_of_part(const Interval& part, const PrimitiveQuery& query, Candidates& left);
   CollisionStatus check_pair(const Interval& interval, Undecided& undecided);
   bool process(const Interval& interval);
   void subdivide(const Interval& whole, const Undecided& undecided);
@@ -139,7 +140,7 @@ class SceneWorkspace final : public Checker::Workspace {
   double reserve_{};                  // farther than this must a pair stay apart to be proved free
   std::vector<std::uint32_t> close_;  // pairs that this motion's intervals proved neither free nor in contact
   std::vector<Interval> open_, next_;
-  std::vector<PrimitivePair> near_, new_near_;
+  std::vector<PrimitivePair> candidates_, new_candidates_;
   int samples_{};                                   // placed, for looks at the deadline
   std::vector<std::pair<double, double>> span_of_;  // [pair] part of the motion that is open; empty between motions
 };
