@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "srmp/collision/narrow_phase.hpp"
+#include "srmp/collision/distance_query.hpp"
 
 namespace srmp::detail {
 
@@ -22,7 +22,7 @@ Gjk::Gjk() {
 /// evaluate() starts afresh every time.
 double Gjk::run(const Eigen::Vector3d& guess, double margin, const coal::support_func_guess_t& hint) {
   count_step();
-  search.setDistanceEarlyBreak(margin + NarrowPhase::contact_distance);  // it stops once more than this is proved
+  search.setDistanceEarlyBreak(margin + contact_distance);  // it stops once more than this is proved
   search.evaluate(difference, guess, hint);
   double distance = std::max(0.0, search.distance);
   switch (search.status) {
@@ -32,12 +32,12 @@ double Gjk::run(const Eigen::Vector3d& guess, double margin, const coal::support
     case coal::details::GJK::NoCollision: break;
     default: distance = std::max(0.0, distance - unconverged);
   }
-  return distance <= margin + NarrowPhase::contact_distance ? distance : infinity;
+  return distance <= margin + contact_distance ? distance : infinity;
 }
 
 double Gjk::gap_across(const Eigen::Vector3d& direction) const {
   const double length = direction.norm();
-  if (!(length > NarrowPhase::contact_distance)) return 0.0;
+  if (!(length > contact_distance)) return 0.0;
   coal::support_func_guess_t vertices = search.support_hint;
   Eigen::Vector3d a, b;
   difference.support(-direction, a, b, vertices);

@@ -28,7 +28,7 @@ struct Gjk {
     constexpr unsigned steps_per_poll = 64;
     if (++steps % steps_per_poll == 0) poll();
   }
-  /// The distance, 0 in contact; infinity when it exceeds `margin` + NarrowPhase::contact_distance.
+  /// The distance, 0 in contact; infinity when it exceeds `margin` + contact_distance.
   double run(const Eigen::Vector3d& guess, double margin,
              const coal::support_func_guess_t& hint = coal::support_func_guess_t::Zero());
   /// The distance of two planes across the direction that separate the solids; 0 where it separates none.

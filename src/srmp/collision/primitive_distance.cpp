@@ -32,7 +32,7 @@ double support_along(const Eigen::Vector3d& direction, const PrimitiveBvh& tree,
 /// The unit vector along which GJK separated two solids, in the frame of the first; none near contact.
 std::optional<Eigen::Vector3d> separating_axis(const coal::details::GJK& gjk) {
   const double length = gjk.ray.norm();
-  if (!(length > NarrowPhase::contact_distance)) return std::nullopt;
+  if (!(length > contact_distance)) return std::nullopt;
   return gjk.ray / length;
 }
 
@@ -90,7 +90,7 @@ class PrimitiveDistance::Shape {
 class PrimitiveDistance::Found {
  public:
   explicit Found(const PrimitiveQuery& query)
-      : query_(query), collects_(query.candidates != nullptr), limit_(query.margin + NarrowPhase::tolerance) {
+      : query_(query), collects_(query.candidates != nullptr), limit_(query.margin + distance_tolerance) {
     if (collects_) query_.candidates->clear();
   }
 
@@ -112,7 +112,7 @@ class PrimitiveDistance::Found {
       query_.candidates->push_back({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b)});
       return false;
     }
-    limit_ = std::min(limit_, distance_ + NarrowPhase::tolerance);
+    limit_ = std::min(limit_, distance_ + distance_tolerance);
     return distance_ <= query_.enough;
   }
 
@@ -120,7 +120,7 @@ class PrimitiveDistance::Found {
   void give_up_candidates() {
     collects_ = false;
     query_.candidates->clear();
-    limit_ = std::min(limit_, distance_ + NarrowPhase::tolerance);
+    limit_ = std::min(limit_, distance_ + distance_tolerance);
   }
 
   const PrimitiveQuery& query_;
@@ -182,7 +182,7 @@ double PrimitiveDistance::solid_to_primitive(const Placed& solid, const Primitiv
   if (is_cube_and_sphere(tree, solid)) {
     const Eigen::Vector3d off = (to_tree.translation() - origin).cwiseAbs();
     const double distance = (off.array() - tree.edge() / 2).cwiseMax(0.0).matrix().norm() - solid.bounds.radius;
-    return distance <= margin + NarrowPhase::contact_distance ? std::max(0.0, distance) : infinity;
+    return distance <= margin + contact_distance ? std::max(0.0, distance) : infinity;
   }
   gjk_.difference.set(static_cast<const coal::ShapeBase*>(solid.geometry), shape.shape(), coal_transform(to_tree),
                       coal::Transform3s(Eigen::Matrix3d::Identity(), origin));
@@ -208,7 +208,7 @@ bool PrimitiveDistance::is_beyond(const Placed& solid, const PrimitiveBvh::Node&
   box_.halfSide = node.box.half_extents3d();
   gjk_.difference.set(static_cast<const coal::ShapeBase*>(solid.geometry), &box_, coal_transform(to_tree),
                       coal::Transform3s(node.box.axes(), node.box.center3d()));
-  short_gjk_.setDistanceEarlyBreak(limit + NarrowPhase::tolerance);
+  short_gjk_.setDistanceEarlyBreak(limit + distance_tolerance);
   short_gjk_.evaluate(gjk_.difference, last_box_->ray, last_box_->vertices);
   const coal::details::GJK::Simplex& simplex = *short_gjk_.getSimplex();
   last_box_->point = to_tree * simplex.vertex[simplex.rank - 1]->w0;
@@ -247,7 +247,7 @@ double PrimitiveDistance::solid_to_primitives(const Placed& solid, const Placed&
     const double distance = solid_to_primitive(solid, tree, i, to_tree, shape, found.margin());
     if (by_gjk) add_axis_of_solid(gjk_.search, to_tree);
     if (!found.needs(distance)) return false;
-    if (by_gjk && distance > NarrowPhase::contact_distance &&
+    if (by_gjk && distance > contact_distance &&
         is_kept_separated(solid.pose, {}, {&tree, i, &other.pose}, query.stays_separated))
       return false;
     return found.add(distance, i, 0);
@@ -297,7 +297,7 @@ double PrimitiveDistance::primitives_to_primitives(const Placed& a, const Placed
     const double distance = gjk_.run(nonzero(guess), found.margin());
     add_axis(to_a);
     if (!found.needs(distance)) return false;
-    if (distance > NarrowPhase::contact_distance &&
+    if (distance > contact_distance &&
         is_kept_separated(a.pose, {&tree_a, i, &a.pose}, {&tree_b, j, &b.pose}, query.stays_separated))
       return false;
     return found.add(distance, i, j);

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "srmp/collision/distance_query.hpp"
 #include "srmp/collision/gjk.hpp"
-#include "srmp/collision/narrow_phase.hpp"
 
 namespace srmp::detail {
 
