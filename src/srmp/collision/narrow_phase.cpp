@@ -3,7 +3,6 @@
 #include <coal/collision.h>
 #include <coal/distance.h>
 #include <coal/narrowphase/support_functions.h>
-#include <coal/shape/convex.h>
 #include <coal/shape/geometric_shapes.h>
 
 #include <algorithm>

@@ -112,7 +112,7 @@ class PrimitiveDistance::Found {
       query_.candidates->push_back({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b)});
       return false;
     }
-    limit_ = std::min(limit_, distance_ + distance_tolerance);
+    lower_limit();
     return distance_ <= query_.enough;
   }
 
@@ -120,8 +120,9 @@ class PrimitiveDistance::Found {
   void give_up_candidates() {
     collects_ = false;
     query_.candidates->clear();
-    limit_ = std::min(limit_, distance_ + distance_tolerance);
+    lower_limit();
   }
+  void lower_limit() { limit_ = std::min(limit_, distance_ + distance_tolerance); }
 
   const PrimitiveQuery& query_;
   bool collects_;
@@ -227,6 +228,18 @@ void PrimitiveDistance::push_nearer_last(const Open& one, const Open& other, dou
   if (!(near.squared_distance_bound > limit * limit)) open_.push_back(near);
 }
 
+/// The next that may be within the limit.
+std::optional<PrimitiveDistance::Open> PrimitiveDistance::pop_near(Found& found) {
+  while (!open_.empty()) {
+    gjk_.count_step();
+    found.count_box();
+    const Open next = open_.back();
+    open_.pop_back();
+    if (!(next.squared_distance_bound > found.limit() * found.limit())) return next;
+  }
+  return std::nullopt;
+}
+
 double PrimitiveDistance::solid_to_primitives(const Placed& solid, const Placed& other, const PrimitiveQuery& query) {
   const PrimitiveBvh& tree = *other.bvh;
   const Eigen::Isometry3d to_tree = other.pose.inverse(Eigen::Isometry) * solid.pose;
@@ -259,18 +272,13 @@ double PrimitiveDistance::solid_to_primitives(const Placed& solid, const Placed&
     if (add(pair.a)) break;
   open_.clear();
   if (query.among.empty()) open_.push_back({bound_to(0), 0, 0});
-  while (!open_.empty()) {
-    gjk_.count_step();
-    found.count_box();
-    const Open next = open_.back();
-    open_.pop_back();
+  while (const std::optional<Open> next = pop_near(found)) {
     const double limit = found.limit();
-    if (next.squared_distance_bound > limit * limit) continue;
-    const PrimitiveBvh::Node& node = tree.nodes()[next.a];
+    const PrimitiveBvh::Node& node = tree.nodes()[next->a];
     if (node.size == 0) {
       if (fills_its_box_badly && node.box.half_extents.squaredNorm() < size && is_beyond(solid, node, to_tree, limit))
         continue;
-      push_nearer_last({bound_to(next.a + 1), next.a + 1, 0}, {bound_to(node.right), node.right, 0}, limit);
+      push_nearer_last({bound_to(next->a + 1), next->a + 1, 0}, {bound_to(node.right), node.right, 0}, limit);
       continue;
     }
     for (std::size_t i = node.first; i < node.first + node.size; ++i)
@@ -312,23 +320,18 @@ double PrimitiveDistance::primitives_to_primitives(const Placed& a, const Placed
     if (add(pair.a, pair.b)) break;
   open_.clear();
   if (query.among.empty()) open_.push_back(entry(0, 0, box_of_b(0)));
-  while (!open_.empty()) {
-    gjk_.count_step();
-    found.count_box();
-    const Open next = open_.back();
-    open_.pop_back();
+  while (const std::optional<Open> next = pop_near(found)) {
     const double limit = found.limit();
-    if (next.squared_distance_bound > limit * limit) continue;
-    const PrimitiveBvh::Node &node_a = tree_a.nodes()[next.a], &node_b = tree_b.nodes()[next.b];
+    const PrimitiveBvh::Node &node_a = tree_a.nodes()[next->a], &node_b = tree_b.nodes()[next->b];
     const bool leaf_a = node_a.size > 0, leaf_b = node_b.size > 0;
     if (!leaf_a && (leaf_b || node_a.box.half_extents.squaredNorm() >= node_b.box.half_extents.squaredNorm())) {
-      const RoundedBox b_box = box_of_b(next.b);
-      push_nearer_last(entry(next.a + 1, next.b, b_box), entry(node_a.right, next.b, b_box), limit);
+      const RoundedBox b_box = box_of_b(next->b);
+      push_nearer_last(entry(next->a + 1, next->b, b_box), entry(node_a.right, next->b, b_box), limit);
       continue;
     }
     if (!leaf_b) {
-      push_nearer_last(entry(next.a, next.b + 1, box_of_b(next.b + 1)),
-                       entry(next.a, node_b.right, box_of_b(node_b.right)), limit);
+      push_nearer_last(entry(next->a, next->b + 1, box_of_b(next->b + 1)),
+                       entry(next->a, node_b.right, box_of_b(node_b.right)), limit);
       continue;
     }
     for (std::size_t i = node_a.first; i < node_a.first + node_a.size; ++i)

@@ -77,6 +77,7 @@ class PrimitiveDistance {
                          const StaysSeparated& stays_separated);
   double solid_to_primitives(const Placed& solid, const Placed& other, const PrimitiveQuery& query);
   double primitives_to_primitives(const Placed& a, const Placed& b, const PrimitiveQuery& query);
+  std::optional<Open> pop_near(Found& found);
   void push_nearer_last(const Open& one, const Open& other, double limit);
 
   Gjk& gjk_;
