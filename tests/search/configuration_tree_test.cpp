@@ -3,6 +3,7 @@
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "srmp/core/error.hpp"
 #include "srmp/search/rrt_connect.hpp"
@@ -54,6 +55,33 @@ BOOST_AUTO_TEST_CASE(the_first_of_those_that_are_nearest_is_found_at_every_size)
       }
     }
   }
+}
+
+BOOST_AUTO_TEST_CASE(all_instruction_sets_find_the_same_nearest_configuration) {
+  using namespace srmp::search;
+  RandomSequence random(13);
+  const auto draw = [&](double size) { return size * (2.0 * random.next() - 1.0); };
+  for (std::size_t components = 1; components <= 14; ++components)
+    for (const std::size_t count : {1, 2, 7}) {
+      std::vector<ComponentBlock> blocks(count * components);
+      std::vector<char> wraps(components);
+      std::vector<double> q(components);
+      for (char& w : wraps) w = random.next() < 0.5;
+      for (ComponentBlock& block : blocks)
+        for (double& value : block.values) value = std::round(draw(8.0));  // many are equally near
+      for (int trial = 0; trial < 20; ++trial) {
+        for (double& value : q) value = trial % 2 ? draw(8.0) : std::round(draw(8.0));
+        if (trial == 19) q[0] = std::nan("");
+        for (const char* wrapping : {static_cast<const char*>(nullptr), std::as_const(wraps).data()}) {
+          const ConfigurationBlocks configurations{blocks.data(), count, components, wrapping};
+          const std::size_t found = nearest_portable(configurations, q.data());
+          BOOST_TEST(found < count * ComponentBlock::size);
+          if (trial == 19) BOOST_TEST(found == 0u);
+          for (const srmp::SimdBackend backend : srmp::available_simd_backends())
+            BOOST_TEST(nearest_function(backend)(configurations, q.data()) == found);
+        }
+      }
+    }
 }
 
 BOOST_AUTO_TEST_CASE(a_configuration_of_another_size_is_refused) {

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "srmp/search/nearest.hpp"
+
 namespace srmp::search {
 
 /// Configurations, each with the one from which it was reached; the nearest of them to a configuration is found by
@@ -32,19 +34,13 @@ class ConfigurationTree {
   std::size_t memory() const;
 
  private:
-  static constexpr std::size_t block = 8;  ///< configurations that are compared at once
-
   std::size_t append(const Eigen::VectorXd& q, std::size_t parent, double cost);
-  /// Where in values_ a component of configuration i is.
-  std::size_t place(std::size_t i, std::size_t component) const {
-    return (i / block * components_ + component) * block + i % block;
-  }
+  static constexpr std::size_t block = ComponentBlock::size;
 
   std::vector<char> wraps_;
   std::size_t components_{};
-  std::vector<double> values_;  // of each block: one component of all, the next one, ...; a block that is not full is
-                                // filled up with its last configuration
-  std::vector<std::size_t> parents_;  // a root is its own parent
+  std::vector<ComponentBlock> blocks_;  // a block that is not full is filled up with its last configuration
+  std::vector<std::size_t> parents_;    // a root is its own parent
   std::vector<double> costs_;
 };
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "srmp/collision/batch/batch_data.hpp"
-#include "srmp/collision/batch/simd_backend.hpp"
+#include "srmp/core/simd_backend.hpp"
 
 namespace srmp {
 

@@ -8,7 +8,7 @@
 #include "srmp/collision/batch/batch_data.hpp"
 #include "srmp/collision/batch/batch_robot.hpp"
 #include "srmp/collision/batch/kernel.hpp"
-#include "srmp/collision/batch/simd_backend.hpp"
+#include "srmp/core/simd_backend.hpp"
 
 namespace srmp {
 

@@ -1,10 +1,12 @@
-// Verdicts of the batch checker on a made-up world, as text: the same on every processor. Needs no library but Eigen,
-// so that it can be built for another processor; tests/python/test_arm.py compares.
+// Verdicts of the batch checker on a made-up world, and nearest configurations of a tree, as text: the same on every
+// processor. Needs no library but Eigen, so that it can be built for another processor; tests/python/test_arm.py
+// compares.
 
 #include <cstdio>
 #include <random>
 
 #include "srmp/collision/batch/batch_checker.hpp"
+#include "srmp/search/configuration_tree.hpp"
 
 using namespace srmp;
 
@@ -54,6 +56,7 @@ int main() {
   const BatchChecker checker(world, SimdBackend::portable);
   const auto workspace = checker.make_workspace();
   std::vector<double> a(7), d(7), block(7 * 16);
+  search::ConfigurationTree tree({1, 0, 0, 1, 0, 0, 1});
   for (int i = 0; i < 2000; ++i) {
     for (double& x : a) x = in(-3, 3);
     for (double& x : d) x = in(-0.3, 0.3);
@@ -66,6 +69,9 @@ int main() {
     std::printf(" %x %x", static_cast<unsigned>(lanes.colliding), static_cast<unsigned>(lanes.undecided));
     const Eigen::Isometry3d pose = checker.actuated_joint_pose(a, 6, *workspace);
     for (int r = 0; r < 3; ++r) std::printf(" %a", pose(r, 3));
-    std::printf("\n");
+    const Eigen::VectorXd q = Eigen::VectorXd::Map(a.data(), 7);
+    if (i > 0) std::printf(" %zu", tree.nearest(q));
+    i == 0 ? tree.add_root(q) : tree.add(q, 0);
+    std::printf(" %a\n", tree.cost(tree.size() - 1));
   }
 }

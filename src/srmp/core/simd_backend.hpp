@@ -5,7 +5,7 @@
 
 namespace srmp {
 
-/// Instruction sets for which the batch kernel is compiled. All give the same bits.
+/// Instruction sets for which kernels are compiled. All give the same bits.
 enum class SimdBackend { portable, avx2, avx512 };
 std::string to_string(SimdBackend backend);
 /// Does this CPU have it?

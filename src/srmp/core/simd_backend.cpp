@@ -1,4 +1,4 @@
-#include "srmp/collision/batch/simd_backend.hpp"
+#include "srmp/core/simd_backend.hpp"
 
 #include <cstdlib>
 
