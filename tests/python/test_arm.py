@@ -14,7 +14,7 @@ SOURCES = [
         f"src/srmp/collision/batch/{name}.cpp"
         for name in ("batch_checker", "batch_model", "batch_robot", "kernel_portable")
     ),
-    *(f"src/srmp/search/{name}.cpp" for name in ("configuration_tree", "nearest")),
+    *(f"src/srmp/search/{name}.cpp" for name in ("configuration_tree", "nearest", "nearest_portable")),
     *(f"src/srmp/core/{name}.cpp" for name in ("error", "simd_backend", "utf8")),
 ]
 ROWS = 2000

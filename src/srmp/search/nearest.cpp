@@ -1,6 +1,4 @@
-// No instruction set flags: 128-bit vectors of whatever the compiler targets.
-#define SRMP_NEAREST nearest_portable
-#include "srmp/search/nearest-inl.hpp"
+#include "srmp/search/nearest.hpp"
 
 namespace srmp::search {
 
