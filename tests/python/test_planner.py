@@ -364,6 +364,41 @@ def test_no_path_past_what_blocks_a_joint():
         assert error.value.status == srmp.Status.exhausted
 
 
+def test_no_path_past_what_blocks_two_joints_together():
+    """A ring around the elbow, half way: whichever way the lower link points, it is in the ring there."""
+    urdf = """<robot name="rod"><link name="base"/><link name="upper"/>
+      <link name="lower"><collision><origin xyz="0.2 0 0"/>
+        <geometry><box size="0.2 0.05 0.05"/></geometry></collision></link>
+      <link name="tool"><collision><geometry><sphere radius="0.02"/></geometry></collision></link>
+      <joint name="turn" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+        <limit lower="-3" upper="3" velocity="1" effort="1"/></joint>
+      <joint name="bend" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0.7 0 0"/>
+        <axis xyz="0 0 1"/><limit lower="-3.2" upper="3.2" velocity="1" effort="1"/></joint>
+      <joint name="lift" type="prismatic"><parent link="lower"/><child link="tool"/><origin xyz="0.3 0 0.1"/>
+        <axis xyz="0 0 1"/><limit lower="0" upper="0.5" velocity="1" effort="1"/></joint></robot>"""
+    planner = srmp.PlannerInterface()
+    planner.add_articulation(name="rod", urdf_text=urdf, end_effector="tool")
+    for k, angle in enumerate(np.linspace(0, 2 * np.pi, 16, endpoint=False)):
+        place = [0.7 + 0.2 * np.cos(angle), 0.2 * np.sin(angle), 0]
+        planner.add_box(
+            f"post {k}", [0.08, 0.08, 0.1], srmp.Pose(place, srmp.Pose.from_rpy([0, 0, 0], [0, 0, angle]).q)
+        )
+    start, goal = [-1.5, 0.5, 0.1], srmp.GoalConstraint(srmp.GoalType.JOINTS, [1.5, -0.5, 0.3])
+    reason = (
+        r"^there is no path: joints 'turn' and 'bend' cannot get from \(-1.5, 0.5\) to \(1.5, -0.5\) wherever the "
+        r"other joints are, because they are in collision all around; so at \(.+, .+\), where link 'lower' and "
+        r"object 'post \d+' overlap by [\d.]+ mm$"
+    )
+    said = set()
+    for name in ("auto", "auto", "RRTConnect"):
+        planner.make_planner("rod", {"planner_id": name, "time_limit": 600})
+        with pytest.raises(srmp.PlanningError, match=reason) as error:
+            planner.plan("rod", start, goal)
+        assert error.value.status == srmp.Status.exhausted
+        said.add(str(error.value))
+    assert len(said) == 1
+
+
 @pytest.fixture
 def interruptible():
     """Python's own Ctrl-C, which a program started in the background may have been told to ignore."""

@@ -2,10 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "srmp/core/error.hpp"
 
 namespace srmp::search {
+
+namespace {
+
+/// To [-pi, pi] [rad].
+double wrapped(double angle) { return angle - 2.0 * M_PI * std::nearbyint(angle * (0.5 / M_PI)); }
+
+}  // namespace
 
 std::size_t ConfigurationTree::add_root(const Eigen::VectorXd& q) { return append(q, size(), 0.0); }
 
@@ -31,8 +39,7 @@ std::size_t ConfigurationTree::append(const Eigen::VectorXd& q, std::size_t pare
 
 Eigen::VectorXd ConfigurationTree::operator[](std::size_t i) const {
   Eigen::VectorXd q(static_cast<Eigen::Index>(components_));
-  for (std::size_t k = 0; k < components_; ++k)
-    q[static_cast<Eigen::Index>(k)] = blocks_[i / block * components_ + k].values[i % block];
+  for (std::size_t k = 0; k < components_; ++k) q[static_cast<Eigen::Index>(k)] = component(i, k);
   return q;
 }
 
@@ -51,13 +58,42 @@ std::vector<Eigen::VectorXd> ConfigurationTree::to_root(std::size_t i) const {
 Eigen::VectorXd ConfigurationTree::difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
   Eigen::VectorXd result = b - a;
   for (std::size_t k = 0; k < wraps_.size(); ++k)
-    if (double& angle = result[static_cast<Eigen::Index>(k)]; wraps_[k])
-      angle -= 2.0 * M_PI * std::nearbyint(angle * (0.5 / M_PI));
+    if (double& angle = result[static_cast<Eigen::Index>(k)]; wraps_[k]) angle = wrapped(angle);
   return result;
 }
 
 std::size_t ConfigurationTree::memory() const {
   return sizeof(ComponentBlock) * blocks_.size() + size() * (sizeof(double) + sizeof(std::size_t));
+}
+
+bool ConfigurationTree::projections_overlap(const ConfigurationTree& a, const ConfigurationTree& b,
+                                            std::span<const std::size_t> components) {
+  if (a.empty() || b.empty() || components.empty()) return false;
+  const double count = static_cast<double>(a.size() + b.size());
+  const double divisions = std::ceil(std::pow(count, 1.0 / static_cast<double>(components.size())));
+  std::vector<std::size_t> cells[2] = {std::vector<std::size_t>(a.size()), std::vector<std::size_t>(b.size())};
+  for (const std::size_t k : components) {
+    std::vector<double> values[2];
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const bool second : {false, true}) {
+      const ConfigurationTree& tree = second ? b : a;
+      for (std::size_t i = 0; i < tree.size(); ++i) {
+        const double value = tree.component(i, k);
+        values[second].push_back(!tree.wraps_.empty() && tree.wraps_[k] ? wrapped(value) : value);
+        low = std::min(low, values[second].back());
+        high = std::max(high, values[second].back());
+      }
+    }
+    const double per_unit = high > low ? divisions / (high - low) : 0.0;
+    for (const bool second : {false, true})
+      for (std::size_t i = 0; i < cells[second].size(); ++i) {
+        const double cell = std::min(std::floor((values[second][i] - low) * per_unit), divisions - 1.0);
+        cells[second][i] = cells[second][i] * static_cast<std::size_t>(divisions) + static_cast<std::size_t>(cell);
+      }
+  }
+  std::sort(cells[0].begin(), cells[0].end());
+  return std::any_of(cells[1].begin(), cells[1].end(),
+                     [&](std::size_t cell) { return std::binary_search(cells[0].begin(), cells[0].end(), cell); });
 }
 
 }  // namespace srmp::search

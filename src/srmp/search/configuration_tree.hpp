@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -33,7 +34,15 @@ class ConfigurationTree {
   double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const { return difference(a, b).norm(); }
   std::size_t memory() const;
 
+  /// Do two trees of one space come to the same places in the space of some components? There, the box around all is
+  /// divided into about as many cells as there are configurations; is one of both trees in one of them?
+  static bool projections_overlap(const ConfigurationTree& a, const ConfigurationTree& b,
+                                  std::span<const std::size_t> components);
+
  private:
+  double component(std::size_t i, std::size_t k) const {
+    return blocks_[i / block * components_ + k].values[i % block];
+  }
   std::size_t append(const Eigen::VectorXd& q, std::size_t parent, double cost);
   static constexpr std::size_t block = ComponentBlock::size;
 

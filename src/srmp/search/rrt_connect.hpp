@@ -59,6 +59,8 @@ class RrtConnect {
   /// deadline, at which each eighth attempt looks. May be called again with more attempts.
   std::optional<std::vector<Eigen::VectorXd>> grow(std::uint64_t attempts, const Deadline& deadline);
   std::uint64_t attempts() const { return attempts_; }
+  /// From the starts, or from the goals.
+  const ConfigurationTree& tree(bool from_goals) const { return trees_[from_goals].nodes; }
   std::size_t memory() const;
 
  private:

@@ -83,10 +83,15 @@ class PathSearch {
   FoundPath find_first(const Auto& options) {
     const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
     Strategies strategies;
-    if (wants_rrt_connect())
-      strategies.push_back(
-          std::make_unique<RrtConnectStrategy>(context_, search_endpoints_, direct_, RrtConnectBudget{.alone = false}));
-    strategies.push_back(std::make_unique<JointBarriers>(context_, endpoints_));
+    if (wants_rrt_connect()) {
+      auto trees =
+          std::make_unique<RrtConnectStrategy>(context_, search_endpoints_, direct_, RrtConnectBudget{.alone = false});
+      auto barriers = std::make_unique<JointBarriers>(context_, endpoints_, &trees->trees());
+      strategies.push_back(std::move(trees));
+      strategies.push_back(std::move(barriers));
+    } else {
+      strategies.push_back(std::make_unique<JointBarriers>(context_, endpoints_));
+    }
     auto portfolio = std::make_unique<CountedPortfolio>(lattices_, options.weight);
     const LatticePortfolio& searches = *portfolio;
     strategies.push_back(std::move(portfolio));
@@ -108,9 +113,9 @@ class PathSearch {
   FoundPath find_by_rrt_connect() {
     const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
     Strategies strategies;
-    strategies.push_back(std::make_unique<JointBarriers>(context_, endpoints_));
-    strategies.push_back(
-        std::make_unique<RrtConnectStrategy>(context_, search_endpoints_, direct_, RrtConnectBudget{}));
+    auto trees = std::make_unique<RrtConnectStrategy>(context_, search_endpoints_, direct_, RrtConnectBudget{});
+    strategies.push_back(std::make_unique<JointBarriers>(context_, endpoints_, &trees->trees()));
+    strategies.push_back(std::move(trees));
     return attempt_in_rounds(strategies, direct_, search::infinity, context_.deadline);
   }
 

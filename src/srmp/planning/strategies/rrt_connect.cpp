@@ -31,7 +31,8 @@ RrtConnectStrategy::~RrtConnectStrategy() {
 
 Attempt RrtConnectStrategy::attempt(const AttemptBudget& budget, const Deadline& deadline) {
   std::optional<std::vector<Eigen::VectorXd>> path;
-  while (!done_ && !path && !deadline.stop_requested() && has_budget()) {
+  const std::uint64_t first = trees_.attempts();
+  while (!done_ && !path && !deadline.stop_requested() && has_budget(trees_.attempts() - first)) {
     const std::uint64_t before = context_.checks.motions();
     path = trees_.grow(trees_.attempts() + budget_.attempts_per_check, deadline);
     checked_ += std::max(budget_.attempts_per_check, context_.checks.motions() - before);  // an attempt may check none
@@ -50,8 +51,8 @@ Attempt RrtConnectStrategy::attempt(const AttemptBudget& budget, const Deadline&
   return result.found.cost <= budget.max_cost ? result : not_found(deadline);
 }
 
-bool RrtConnectStrategy::has_budget() const {
-  if (budget_.alone) return true;
+bool RrtConnectStrategy::has_budget(std::uint64_t attempts) const {
+  if (budget_.alone) return attempts < budget_.attempts_alone;
   const auto all = static_cast<double>(context_.checks.motions() - checked_before_);
   return static_cast<double>(checked_) < static_cast<double>(budget_.first_checks) + budget_.fraction * all;
 }

@@ -12,7 +12,8 @@ namespace srmp {
 
 /// How the work is divided between RRT-Connect and the strategies beside it.
 struct RrtConnectBudget {
-  bool alone{true};  ///< nothing else searches: no limit but the deadline; the rest does not matter
+  bool alone{true};  ///< nothing else searches for a path: a round has `attempts_alone`, no limit but the deadline
+  std::uint64_t attempts_alone{4096};
   /// Beside others, a round ends when this fraction of all motions checked since the beginning, and the first ones,
   /// were checked by the trees: more finds paths in narrow places earlier, less leaves easy lattices more time. A
   /// motion of a lattice takes about five times the time of one of the trees, so lattices have a seventh of the time.
@@ -33,10 +34,11 @@ class RrtConnectStrategy : public Strategy {
 
   Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
   bool can_exhaust() const override { return false; }
+  const search::RrtConnect& trees() const { return trees_; }
 
  private:
   search::RrtSpace space() const;
-  bool has_budget() const;
+  bool has_budget(std::uint64_t attempts) const;  // after so many in this round
   search::Statistics work() const;
   Attempt not_found(const Deadline& deadline) const;
 
