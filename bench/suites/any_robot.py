@@ -6,8 +6,8 @@
 Needs example-robot-data (pip install example-robot-data). Each world has boxes around where the end effector can be, of
 random sizes, none of which touches the robot at rest; each problem is from one random free configuration to another.
 Times are of `auto` with the robot's better covers (planner.prepare()), the best of --repeats: until the path is ready,
-then its timing and its certificate. Problems that `auto` does not solve within --limit are counted and have no time:
-often a robot is locked in where it starts or ends, since nothing else says that there is a path. With --baseline each
+then its timing and its certificate. Problems that have no path, since nothing says that there is one, are counted where `auto` proves that
+within --limit, and where it does not; they have no time. With --baseline each
 robot is planned in turns by the srmp of another Python environment, and the last column is the median ratio of the
 whole call.
 """
@@ -128,8 +128,9 @@ def table(result: dict[str, Any]) -> str:
         solved = [row for row in ours if row["status"] == "solved"]
         times = [percentile(solved, key, 50) for key in PARTS.values()] + [percentile(solved, PARTS["path"], 95)]
         dof = str(ours[0]["dof"]) if ours else "–"
-        lines.append([robot, dof, f"{len(solved)}/{len(ours)}", *times, median_ratio(ours, theirs)])
-    return format_table(["robot", "dof", "solved", *PARTS, "path, 95 %", "ratio"], lines)
+        counts = [f"{len(solved)}/{len(ours)}", str(sum(row["status"] == "exhausted" for row in ours))]
+        lines.append([robot, dof, *counts, *times, median_ratio(ours, theirs)])
+    return format_table(["robot", "dof", "solved", "no path", *PARTS, "path, 95 %", "ratio"], lines)
 
 
 def main() -> None:
