@@ -398,6 +398,13 @@ def test_no_path_past_what_blocks_two_joints_together():
         said.add(str(error.value))
     assert len(said) == 1
 
+    # Inverse kinematics may know other ends, so nothing is proved; but the reason says what is likely.
+    goal = srmp.GoalConstraint(srmp.GoalType.POSE, planner.compute_fk("rod", goal.targets[0]), 1e-3)
+    planner.make_planner("rod", {"planner_id": "auto", "time_limit": 1})
+    with pytest.raises(srmp.PlanningError, match="it may be joints 'turn' and 'bend' that block the way") as error:
+        planner.plan("rod", start, goal)
+    assert error.value.status == srmp.Status.timed_out
+
 
 @pytest.fixture
 def interruptible():

@@ -37,12 +37,12 @@ JointBarriers::JointBarriers(RobotContext& context, const RobotEndpoints& endpoi
 }
 
 Attempt JointBarriers::attempt(const AttemptBudget& budget, const Deadline&) {
+  if (budget.round > 0 && trees_) compare_trees();
   if (reasons_.empty()) return {};
   if (budget.round == 0) {
     for (std::size_t i = 0; i < reasons_.size(); ++i)
       if ((reasons_[i] = reason_of_one_joint(endpoints_.targets[i])).empty()) return {};
-  } else if (trees_) {
-    compare_trees();
+  } else {
     prove_further();
   }
   if (std::any_of(reasons_.begin(), reasons_.end(), [](const std::string& reason) { return reason.empty(); }))
@@ -98,6 +98,14 @@ void JointBarriers::prove_further() {
     std::erase_if(proofs_, [](const auto& proof) { return proof->finished(); });
     if (proofs_.empty() && target->empty()) sets_.clear();  // this target may be reached
   }
+}
+
+std::string JointBarriers::suspicion() const {
+  if (compared_ == 0 || sets_.empty()) return "";
+  std::vector<std::string> names;
+  for (const std::size_t joint : sets_.front()) names.push_back(context_.robot.joints()[joint].name);
+  return "; it may be joints " + quoted_list(names) +
+         " that block the way: from the start and from the goals, the search came to different values of them";
 }
 
 void JointBarriers::begin_proofs(const Eigen::VectorXd& target) {

@@ -25,6 +25,8 @@ class JointBarriers : public Strategy {
 
   Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
   bool can_exhaust() const override { return false; }
+  /// What may block the way, as the end of a sentence, where that is not proved; "": nothing is known.
+  std::string suspicion() const;
 
  private:
   using JointSet = std::vector<std::size_t>;

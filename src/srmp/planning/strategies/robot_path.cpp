@@ -83,14 +83,15 @@ class PathSearch {
   FoundPath find_first(const Auto& options) {
     const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
     Strategies strategies;
+    const JointBarriers* barriers = nullptr;
     if (wants_rrt_connect()) {
       auto trees =
           std::make_unique<RrtConnectStrategy>(context_, search_endpoints_, direct_, RrtConnectBudget{.alone = false});
-      auto barriers = std::make_unique<JointBarriers>(context_, endpoints_, &trees->trees());
+      const search::RrtConnect* both = &trees->trees();
       strategies.push_back(std::move(trees));
-      strategies.push_back(std::move(barriers));
+      barriers = add_barriers(strategies, both);
     } else {
-      strategies.push_back(std::make_unique<JointBarriers>(context_, endpoints_));
+      barriers = add_barriers(strategies, nullptr);
     }
     auto portfolio = std::make_unique<CountedPortfolio>(lattices_, options.weight);
     const LatticePortfolio& searches = *portfolio;
@@ -102,7 +103,28 @@ class PathSearch {
       return "no path within max_expansions, " + std::to_string(options.max_expansions) + " (" +
              std::to_string(expansions) + " states expanded)";
     };
-    return attempt_in_rounds(strategies, direct_, options.weight, context_.deadline, used_up);
+    return attempt(strategies, *barriers, options.weight, used_up);
+  }
+
+  const JointBarriers* add_barriers(Strategies& strategies, const search::RrtConnect* trees) {
+    auto barriers = std::make_unique<JointBarriers>(context_, endpoints_, trees);
+    const JointBarriers* result = barriers.get();
+    strategies.push_back(std::move(barriers));
+    return result;
+  }
+
+  /// For a first path. A plan that ends by its time limit says what may block the way, if that is known.
+  FoundPath attempt(const Strategies& strategies, const JointBarriers& barriers, double weight,
+                    const WorkUsedUp& used_up = {}) {
+    try {
+      return attempt_in_rounds(strategies, direct_, weight, context_.deadline, used_up);
+    } catch (const MotionCheckStopped&) {
+      context_.stop_if_late("a check of a motion" + barriers.suspicion());
+      throw;
+    } catch (const PlanningError& error) {
+      if (error.status() != Status::timed_out) throw;
+      throw PlanningError(Status::timed_out, error.what() + barriers.suspicion());
+    }
   }
 
   void run_rrt_connect() {
@@ -114,14 +136,14 @@ class PathSearch {
     const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
     Strategies strategies;
     auto trees = std::make_unique<RrtConnectStrategy>(context_, search_endpoints_, direct_, RrtConnectBudget{});
-    strategies.push_back(std::make_unique<JointBarriers>(context_, endpoints_, &trees->trees()));
+    const JointBarriers* barriers = add_barriers(strategies, &trees->trees());
     strategies.push_back(std::move(trees));
-    return attempt_in_rounds(strategies, direct_, search::infinity, context_.deadline);
+    return attempt(strategies, *barriers, search::infinity);
   }
 
   void run_lattice_search() {
     Strategies strategies;
-    strategies.push_back(std::make_unique<JointBarriers>(context_, endpoints_));
+    add_barriers(strategies, nullptr);
     strategies.push_back(std::make_unique<LatticeSearch>(context_, search_endpoints_, lattices_, best_, direct_));
     FoundPath found = attempt_in_rounds(strategies, 0.0, 1.0, context_.deadline);
     if (!best_.empty()) return;  // an anytime planner has handed in its paths
