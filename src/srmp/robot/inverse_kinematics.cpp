@@ -19,7 +19,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kMaxStep = 0.5;  // [rad or m] largest change of a joint in one step, because the Jacobian is local
 constexpr double kMinDamping = 1e-9;
-constexpr int kPatience = 20;    // a seed is abandoned after this many steps without progress
+constexpr int kPatience = 6;     // a seed is abandoned after this many steps without progress: 1 in 100 would arrive
 constexpr int kPolishSteps = 3;  // after the tolerance is met, where convergence is quadratic
 
 /// The rotation vector of `rotation` [rad], at most pi long.
@@ -157,7 +157,7 @@ class Solver {
   void damped_step() {
     Matrix6d normal = jacobian_ * jacobian_.transpose();
     normal.diagonal().array() += 0.05 * error_.squaredNorm() + kMinDamping;
-    step_.noalias() = jacobian_.transpose() * normal.ldlt().solve(error_);
+    step_.noalias() = jacobian_.transpose() * normal.llt().solve(error_);
   }
 
   void project(Eigen::VectorXd& q) const {

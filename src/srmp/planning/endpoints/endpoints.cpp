@@ -1,6 +1,7 @@
 #include "srmp/planning/endpoints/endpoints.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "srmp/core/error.hpp"
 #include "srmp/planning/endpoints/goal_configurations.hpp"
@@ -80,51 +81,62 @@ void find_start(RobotContext& context, RobotEndpoints& endpoints, bool may_be_cl
   recover_start(context, endpoints, why);
 }
 
+bool may_be_approached(RobotContext& context, const Eigen::VectorXd& q) {
+  return !context.task.constraints && is_only_close(context, q);
+}
+
 /// Adds a configuration that meets a goal as a target, or where the way to it begins if it does not keep the clearance;
-/// otherwise tells why not.
-std::string add_target(RobotContext& context, RobotEndpoints& endpoints, Eigen::VectorXd q, int goal_index) {
-  std::string invalid = context.checks.violation(q);
-  const bool is_refused = !invalid.empty();
-  if (invalid.empty()) invalid = invalidity(context.checks.checker(), q, context.checks.workspace());
+/// false: it is invalid.
+bool add_target(RobotContext& context, RobotEndpoints& endpoints, Eigen::VectorXd q, int goal_index) {
+  if (!context.checks.violation(q).empty()) return false;
   std::vector<Eigen::VectorXd> approach;
-  if (!invalid.empty()) {
-    if (is_refused || context.task.constraints || !is_only_close(context, q)) return invalid;
+  if (context.robot.limit_violation(q) || !context.checks.checker().is_free(q, context.checks.workspace())) {
+    if (!may_be_approached(context, q)) return false;
     approach = find_departure(context, q);
-    if (approach.empty())
-      return invalid +
-             ", and no motion was found from where the clearance is kept along which no pair comes closer "
-             "than at the goal";
+    if (approach.empty()) return false;
     std::reverse(approach.begin(), approach.end());
     q = approach.front();
   }
   endpoints.targets.push_back(std::move(q));
   endpoints.goal_indices.push_back(goal_index);
   endpoints.approaches.push_back(std::move(approach));
-  return "";
+  return true;
+}
+
+/// Why a configuration that meets a goal is invalid. Points of contact take longer to find than all else here.
+std::string reason_against_target(RobotContext& context, const Eigen::VectorXd& q) {
+  const std::string broken = context.checks.violation(q);
+  if (!broken.empty()) return broken;
+  return invalidity(context.checks.checker(), q, context.checks.workspace()) +
+         (may_be_approached(context, q)
+              ? ", and no motion was found from where the clearance is kept along which no pair comes closer "
+                "than at the goal"
+              : "");
 }
 
 void find_targets(RobotContext& context, RobotEndpoints& endpoints) {
   const PhaseTimer timer(context.deadline, context.statistics.ik_time_s);
   int index = 0;
   std::string first_reason;
+  std::optional<Eigen::VectorXd> first_invalid;  // of all goals
   for (const GoalConstraint& goal : context.task.goals)
     for (const Eigen::VectorXd& target : goal.targets) {
       std::string why;
       for (Eigen::VectorXd& q :
            goal_configurations(*context.task.placed, context.task.constraints.get(), goal, target, endpoints.start,
                                context.common.ik_solutions, context.deadline, why)) {
-        const std::string invalid = add_target(context, endpoints, std::move(q), index);
-        if (why.empty()) why = invalid;
+        if (!add_target(context, endpoints, q, index) && !first_invalid) first_invalid = std::move(q);
         context.stop_if_late("the search for goal configurations");
       }
-      if (first_reason.empty()) first_reason = why;
+      if (first_reason.empty() && !first_invalid) first_reason = why;
       ++index;
       context.stop_if_late("the search for goal configurations");
     }
-  if (endpoints.targets.empty())
-    throw PlanningError(
-        Status::goal_invalid,
-        (index == 1 ? "the goal is invalid: " : "all goals are invalid, the first because ") + first_reason);
+  if (!endpoints.targets.empty()) return;
+  if (first_reason.empty() && first_invalid) first_reason = reason_against_target(context, *first_invalid);
+  throw PlanningError(
+      Status::goal_invalid,
+      (index == 1 ? "the goal is invalid: " : "all goals are invalid, the first because ") + first_reason);
 }
 
 }  // namespace
