@@ -49,10 +49,10 @@ BOOST_AUTO_TEST_CASE(boxes_are_free_or_in_contact_wherever_the_other_joints_are)
           high[k] = middle[joints[k]] + half;
         }
         JointCells::Pairs pairs = cells.pairs();
-        const JointCells::Verdict verdict = cells.verdict(low, high, pairs);
+        const JointCells::Result result = cells.check(low, high, pairs);
         const std::string in_contact = [&]() -> std::string {
-          if (verdict.status != CollisionStatus::colliding) return "";
-          const Contact contact = cells.contact(verdict.pair);
+          if (result.status != CollisionStatus::colliding) return "";
+          const Contact contact = cells.contact(result.pair);
           return contact.body_a + " and " + contact.body_b;
         }();
         std::vector<std::uint32_t> removed;
@@ -62,8 +62,8 @@ BOOST_AUTO_TEST_CASE(boxes_are_free_or_in_contact_wherever_the_other_joints_are)
           for (std::size_t k = 0; k < joints.size(); ++k)
             q[joints[k]] = sample == 0 ? low[k] : sample == 1 ? high[k] : dice.in(low[k], high[k]);
           const std::set<std::string> contacts = contacts_at(*checker, q, *other);
-          if (verdict.status == CollisionStatus::colliding) BOOST_REQUIRE(contacts.count(in_contact));
-          if (verdict.status != CollisionStatus::free) continue;
+          if (result.status == CollisionStatus::colliding) BOOST_REQUIRE(contacts.count(in_contact));
+          if (result.status != CollisionStatus::free) continue;
           for (const std::uint32_t pair : removed) {
             const auto& scene_workspace = dynamic_cast<const detail::SceneWorkspace&>(*other);
             const detail::Pair& bodies = scene_workspace.model().bodies.pairs[pair];
@@ -71,9 +71,9 @@ BOOST_AUTO_TEST_CASE(boxes_are_free_or_in_contact_wherever_the_other_joints_are)
                 !contacts.count(scene_workspace.body_a(bodies).name + " and " + scene_workspace.body_b(bodies).name));
           }
         }
-        ++(verdict.status == CollisionStatus::free        ? free
-           : verdict.status == CollisionStatus::colliding ? colliding
-                                                          : undecided);
+        ++(result.status == CollisionStatus::free        ? free
+           : result.status == CollisionStatus::colliding ? colliding
+                                                         : undecided);
       }
     }
   }

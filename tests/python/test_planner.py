@@ -364,13 +364,13 @@ def test_no_path_past_what_blocks_a_joint():
         assert error.value.status == srmp.Status.exhausted
 
 
-def test_no_path_past_what_blocks_two_joints_together():
-    """A ring around the elbow, half way: whichever way the lower link points, it is in the ring there."""
-    urdf = """<robot name="rod"><link name="base"/><link name="upper"/>
+def ring_around_the_elbow(turning):
+    """Half way from one side to the other: whichever way the lower link points, it is in the ring there."""
+    urdf = f"""<robot name="rod"><link name="base"/><link name="upper"/>
       <link name="lower"><collision><origin xyz="0.2 0 0"/>
         <geometry><box size="0.2 0.05 0.05"/></geometry></collision></link>
       <link name="tool"><collision><geometry><sphere radius="0.02"/></geometry></collision></link>
-      <joint name="turn" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+      <joint name="turn" type="{turning}"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
         <limit lower="-3" upper="3" velocity="1" effort="1"/></joint>
       <joint name="bend" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0.7 0 0"/>
         <axis xyz="0 0 1"/><limit lower="-3.2" upper="3.2" velocity="1" effort="1"/></joint>
@@ -383,6 +383,11 @@ def test_no_path_past_what_blocks_two_joints_together():
         planner.add_box(
             f"post {k}", [0.08, 0.08, 0.1], srmp.Pose(place, srmp.Pose.from_rpy([0, 0, 0], [0, 0, angle]).q)
         )
+    return planner
+
+
+def test_no_path_past_what_blocks_two_joints_together():
+    planner = ring_around_the_elbow("revolute")
     start, goal = [-1.5, 0.5, 0.1], srmp.GoalConstraint(srmp.GoalType.JOINTS, [1.5, -0.5, 0.3])
     reason = (
         r"^there is no path: joints 'turn' and 'bend' cannot get from \(-1.5, 0.5\) to \(1.5, -0.5\) wherever the "
@@ -398,12 +403,28 @@ def test_no_path_past_what_blocks_two_joints_together():
         said.add(str(error.value))
     assert len(said) == 1
 
+    # What is known of one target helps with the others.
+    blocked = [[1.5, -0.5, 0.3], [1.2, 1.0, 0.0], [2.0, -2.0, 0.4]]
+    planner.make_planner("rod", {"planner_id": "auto", "time_limit": 600})
+    with pytest.raises(srmp.PlanningError, match=reason) as error:
+        planner.plan("rod", start, srmp.GoalConstraint(srmp.GoalType.JOINTS, blocked))
+    assert error.value.status == srmp.Status.exhausted
+    blocked.append([-1.0, 0.0, 0.2])
+    planner.plan("rod", start, srmp.GoalConstraint(srmp.GoalType.JOINTS, blocked))
+    assert planner.get_planning_stats()["goal_index"] == 3
+
     # Inverse kinematics may know other ends, so nothing is proved; but the reason says what is likely.
     goal = srmp.GoalConstraint(srmp.GoalType.POSE, planner.compute_fk("rod", goal.targets[0]), 1e-3)
     planner.make_planner("rod", {"planner_id": "auto", "time_limit": 1})
     with pytest.raises(srmp.PlanningError, match="it may be joints 'turn' and 'bend' that block the way") as error:
         planner.plan("rod", start, goal)
     assert error.value.status == srmp.Status.timed_out
+
+
+def test_a_continuous_joint_passes_on_the_other_side():
+    planner = ring_around_the_elbow("continuous")
+    planner.make_planner("rod", {"planner_id": "auto", "time_limit": 600})
+    planner.plan("rod", [-1.5, 0.5, 0.1], srmp.GoalConstraint(srmp.GoalType.JOINTS, [1.5, -0.5, 0.3]))
 
 
 @pytest.fixture

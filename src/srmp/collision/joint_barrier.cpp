@@ -29,7 +29,8 @@ class BarrierSearch {
       if (continuous[joint] || from_[j] == to_[j]) continue;
       begin(joint);
       for (const Pair* pair : pairs_near())
-        if (const auto position = contact_on_the_way(*pair)) return JointBarrier{joint, *position, contact_of(*pair)};
+        if (const auto position = contact_on_the_way(*pair))
+          return JointBarrier{joint, *position, workspace_.contact(*pair)};
     }
     return std::nullopt;
   }
@@ -43,10 +44,7 @@ class BarrierSearch {
 
   void begin(std::size_t joint) {
     joint_ = joint;
-    support_ = 0;
-    const std::vector<ActuatedJoint>& actuated_joints = model_.group.actuated_joints();
-    for (std::size_t k = 0; k < actuated_joints.size(); ++k)
-      if (actuated_joints[k].joint == joint) support_ |= std::uint64_t{1} << k;
+    support_ = model_.group.actuated_by({&joint, 1});
     workspace_.start_any_motion(support_);
     here_ = from_;
     change_.assign(static_cast<std::size_t>(from_.size()), 0.0);
@@ -94,12 +92,6 @@ class BarrierSearch {
       open.push_back({interval.low, middle});
     }
     return std::nullopt;
-  }
-
-  Contact contact_of(const Pair& pair) const {
-    const auto found = NarrowPhase::deepest(workspace_.placed(false, pair.a), workspace_.placed(pair.b_fixed, pair.b),
-                                            pair.padding + NarrowPhase::contact_distance);
-    return workspace_.contact(workspace_.body_a(pair), workspace_.body_b(pair), found, pair.padding);
   }
 
   const SceneModel& model_;

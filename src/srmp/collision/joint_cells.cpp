@@ -4,6 +4,7 @@
 #include <coal/shape/geometric_shapes.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <set>
 
@@ -48,21 +49,22 @@ bool touch(const coal::CollisionGeometry& a, const Placed& placed_a, const coal:
                        result) > 0;
 }
 
-std::uint64_t support_of(const SceneModel& model, const std::vector<std::size_t>& joints) {
-  const std::vector<ActuatedJoint>& actuated_joints = model.group.actuated_joints();
-  std::uint64_t support = 0;
-  for (std::size_t k = 0; k < actuated_joints.size(); ++k)
-    if (std::find(joints.begin(), joints.end(), actuated_joints[k].joint) != joints.end())
-      support |= std::uint64_t{1} << k;
-  return support;
-}
-
 std::vector<std::size_t> joints_of(const SceneModel& model, std::uint64_t support) {
   const std::vector<ActuatedJoint>& actuated_joints = model.group.actuated_joints();
   std::set<std::size_t> joints;
   for (std::size_t k = 0; k < actuated_joints.size(); ++k)
     if (support >> k & 1) joints.insert(actuated_joints[k].joint);
   return {joints.begin(), joints.end()};
+}
+
+/// Is the robot where it was after a whole turn of each continuous one? With mimic joints it need not be.
+bool repeat_themselves(const SceneModel& model, const std::vector<std::size_t>& joints) {
+  const std::vector<ActuatedJoint>& actuated_joints = model.group.actuated_joints();
+  return std::none_of(actuated_joints.begin(), actuated_joints.end(), [&](const ActuatedJoint& actuated) {
+    return model.group.continuous()[actuated.joint] &&
+           (actuated.prismatic || actuated.ratio != std::round(actuated.ratio)) &&
+           std::find(joints.begin(), joints.end(), actuated.joint) != joints.end();
+  });
 }
 
 }  // namespace
@@ -80,7 +82,8 @@ std::vector<std::vector<std::size_t>> JointCells::sets_of_joints(std::size_t max
   std::set<std::vector<std::size_t>> sets;
   for (const std::uint64_t support : supports) {
     std::vector<std::size_t> joints = joints_of(model, support);
-    if (joints.size() > 1 && joints.size() <= max_joints) sets.insert(std::move(joints));
+    if (joints.size() > 1 && joints.size() <= max_joints && repeat_themselves(model, joints))
+      sets.insert(std::move(joints));
   }
   std::vector<std::vector<std::size_t>> result(sets.begin(), sets.end());
   std::stable_sort(result.begin(), result.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
@@ -90,7 +93,7 @@ std::vector<std::vector<std::size_t>> JointCells::sets_of_joints(std::size_t max
 JointCells::JointCells(std::vector<std::size_t> joints, ConstVector q, Checker::Workspace& workspace)
     : joints_(std::move(joints)), workspace_(dynamic_cast<SceneWorkspace&>(workspace)), here_(q) {
   const SceneModel& model = workspace_.model();
-  support_ = support_of(model, joints_);
+  support_ = model.group.actuated_by(joints_);
   change_.assign(static_cast<std::size_t>(q.size()), 0.0);
   still_ = change_;
   for (std::uint32_t i = 0; i < model.bodies.pairs.size(); ++i) {
@@ -99,7 +102,7 @@ JointCells::JointCells(std::vector<std::size_t> joints, ConstVector q, Checker::
   }
 }
 
-JointCells::Verdict JointCells::verdict(const Eigen::VectorXd& low, const Eigen::VectorXd& high, Pairs& pairs) {
+JointCells::Result JointCells::check(const Eigen::VectorXd& low, const Eigen::VectorXd& high, Pairs& pairs) {
   rare_interruption_point();
   for (std::size_t k = 0; k < joints_.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
@@ -128,11 +131,6 @@ bool JointCells::stays_in_contact(const Pair& pair, double motion) {
   return core && touch(*a.geometry, a, *core, b);
 }
 
-Contact JointCells::contact(std::uint32_t number) {
-  const Pair& pair = workspace_.model().bodies.pairs[number];
-  const auto found = NarrowPhase::deepest(workspace_.placed(false, pair.a), workspace_.placed(pair.b_fixed, pair.b),
-                                          pair.padding + NarrowPhase::contact_distance);
-  return workspace_.contact(workspace_.body_a(pair), workspace_.body_b(pair), found, pair.padding);
-}
+Contact JointCells::contact(std::uint32_t pair) { return workspace_.contact(workspace_.model().bodies.pairs[pair]); }
 
 }  // namespace srmp

@@ -9,7 +9,7 @@
 
 namespace srmp {
 
-/// Tells of boxes of values of some joints whether two bodies whose relative pose depends on those joints alone are in
+/// Checks boxes of values of some joints whether two bodies whose relative pose depends on those joints alone are in
 /// contact in all of the box: then nothing that the other joints do makes the robot free.
 ///
 /// Contact over a box is proved by erosion. A convex body less all that is within some distance of its surface is in
@@ -20,7 +20,7 @@ class JointCells {
   /// Numbers of pairs of bodies.
   using Pairs = std::vector<std::uint32_t>;
 
-  struct Verdict {
+  struct Result {
     CollisionStatus status{};  ///< free: no pair is in contact anywhere; colliding: one is everywhere
     std::uint32_t pair{};      ///< colliding: that one
   };
@@ -37,8 +37,8 @@ class JointCells {
   const Pairs& pairs() const { return pairs_; }
   /// Of the box from `low` to `high`, one entry per joint; `pairs` are those that may be in contact in it, those that
   /// cannot are removed. Throws MotionCheckStopped as Checker::stop_at says.
-  Verdict verdict(const Eigen::VectorXd& low, const Eigen::VectorXd& high, Pairs& pairs);
-  /// Of a pair that is in contact, in the middle of the box of the last verdict.
+  Result check(const Eigen::VectorXd& low, const Eigen::VectorXd& high, Pairs& pairs);
+  /// Of a pair that is in contact, in the middle of the box that was checked last.
   Contact contact(std::uint32_t pair);
 
  private:

@@ -48,6 +48,14 @@ bool RobotGroup::contains(const std::string& name) const {
   return std::any_of(robots_.begin(), robots_.end(), [&](const Robot& r) { return r.instance.model->name() == name; });
 }
 
+std::uint64_t RobotGroup::actuated_by(std::span<const std::size_t> joints) const {
+  std::uint64_t result = 0;
+  for (std::size_t k = 0; k < actuated_joints_.size(); ++k)
+    if (std::find(joints.begin(), joints.end(), actuated_joints_[k].joint) != joints.end())
+      result |= std::uint64_t{1} << k;
+  return result;
+}
+
 void RobotGroup::require_configuration(ConstVector q, std::string_view what) const {
   if (q.size() == static_cast<Eigen::Index>(joints_.size()) && q.allFinite()) return;
   if (robots_.size() == 1) return model(0).require_configuration(q, what);

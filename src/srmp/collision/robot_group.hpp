@@ -1,6 +1,7 @@
 #pragma once
 
 #include <bit>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,8 @@ class RobotGroup {
   std::uint64_t support(std::size_t robot, std::uint64_t of_model) const {
     return of_model << robots_[robot].first_actuated;
   }
+  /// The actuated_joints() that these of joints() move.
+  std::uint64_t actuated_by(std::span<const std::size_t> joints) const;
   /// Throws InvalidArgument unless q has joints().size() finite entries.
   void require_configuration(ConstVector q, std::string_view what) const;
   /// b - a; continuous joints go the short way.

@@ -102,6 +102,12 @@ Contact SceneWorkspace::contact(const Body& a, const Body& b, const Proximity& f
           a.kind, b.kind};
 }
 
+Contact SceneWorkspace::contact(const Pair& pair) {
+  const Proximity found = NarrowPhase::deepest(placed(false, pair.a), placed(pair.b_fixed, pair.b),
+                                               pair.padding + NarrowPhase::contact_distance);
+  return contact(body_a(pair), body_b(pair), found, pair.padding);
+}
+
 // --- one configuration
 
 /// From a sphere around a, and a box or a sphere around b.

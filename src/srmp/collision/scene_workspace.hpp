@@ -50,6 +50,8 @@ class SceneWorkspace final : public Checker::Workspace {
   const Body& body_b(const Pair& pair) const { return bodies_.body(pair.b_fixed, pair.b); }
   Placed placed(bool fixed, std::size_t index);
   Contact contact(const Body& a, const Body& b, const Proximity& found, double padding) const;
+  /// The deepest one of a pair that is in contact. Allocates.
+  Contact contact(const Pair& pair);
 
   // --- any motion near a configuration, for prove_motion
 

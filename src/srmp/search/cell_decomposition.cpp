@@ -6,20 +6,28 @@
 
 namespace srmp::search {
 
-CellDecomposition::Outcome CellDecomposition::run(std::size_t max_cells) {
-  if (nodes_.empty() && max_cells > 0) add(problem_.whole, no_cell);
-  while (outcome_ == Outcome::unfinished && nodes_.size() < max_cells) {
-    const std::vector<std::size_t> way = shortest_way();
-    if (way.empty()) {
-      outcome_ = barrier_.empty() ? Outcome::unproved : Outcome::no_path;
-      break;
-    }
-    bool halved = false;
-    for (const std::size_t leaf : way)
-      if (nodes_[leaf].label == CellLabel::mixed && nodes_.size() < max_cells) halved = halve(leaf) || halved;
-    if (!halved) outcome_ = Outcome::unproved;
+CellDecomposition::CellDecomposition(Space space, Label label) : space_(std::move(space)), label_(std::move(label)) {}
+
+CellDecomposition::Outcome CellDecomposition::run(const Eigen::VectorXd& from, const Eigen::VectorXd& to,
+                                                  std::size_t max_cells) {
+  if (!contains(from) || !contains(to)) return Outcome::unproved;
+  if (nodes_.empty() && max_cells > 0) add(space_.whole, no_cell);
+  while (nodes_.size() + 2 <= max_cells) {
+    const std::size_t first = leaf_at(from), last = leaf_at(to);
+    if (nodes_[first].label == CellLabel::blocked || nodes_[last].label == CellLabel::blocked) return Outcome::unproved;
+    const std::vector<std::size_t> path = find_path(first, last);
+    if (path.empty()) return Outcome::no_path;
+    bool has_halved = false, may_go_on = true;
+    for (const std::size_t leaf : path)
+      if (nodes_[leaf].label == CellLabel::mixed && (may_go_on = nodes_.size() + 2 <= max_cells))
+        has_halved = halve(leaf) || has_halved;
+    if (!has_halved && may_go_on) return Outcome::unproved;
   }
-  return outcome_;
+  return Outcome::unfinished;
+}
+
+bool CellDecomposition::contains(const Eigen::VectorXd& point) const {
+  return (space_.whole.low.array() <= point.array()).all() && (point.array() <= space_.whole.high.array()).all();
 }
 
 void CellDecomposition::add(Cell cell, std::size_t parent) {
@@ -27,20 +35,48 @@ void CellDecomposition::add(Cell cell, std::size_t parent) {
   nodes_.push_back({.cell = std::move(cell), .label = label});
 }
 
+/// false: it would be too small.
 bool CellDecomposition::halve(std::size_t leaf) {
-  const Cell cell = nodes_[leaf].cell;
+  Cell below = nodes_[leaf].cell, above = below;
   Eigen::Index axis = 0;
-  const double width = (cell.high - cell.low).maxCoeff(&axis);
-  if (width < 2 * problem_.min_width) return false;
-  const double middle = (cell.low[axis] + cell.high[axis]) / 2;
-  nodes_[leaf].axis = axis;
+  if ((below.high - below.low).maxCoeff(&axis) < 2 * space_.min_width) return false;
+  below.high[axis] = above.low[axis] = (below.low[axis] + below.high[axis]) / 2;
   const std::size_t child = nodes_.size();
-  Cell below = cell, above = cell;
-  below.high[axis] = above.low[axis] = middle;
   add(std::move(below), leaf);
   add(std::move(above), leaf);
+  nodes_[leaf].axis = axis;
   nodes_[leaf].child = child;
+  nodes_[child].neighbours.push_back(child + 1);
+  nodes_[child + 1].neighbours.push_back(child);
+  for (const std::size_t neighbour : std::exchange(nodes_[leaf].neighbours, {})) {
+    std::erase(nodes_[neighbour].neighbours, leaf);
+    for (const std::size_t half : {child, child + 1})
+      if (are_neighbours(nodes_[half].cell, nodes_[neighbour].cell)) {
+        nodes_[half].neighbours.push_back(neighbour);
+        nodes_[neighbour].neighbours.push_back(half);
+      }
+  }
   return true;
+}
+
+/// Through a corner of cells no path needs to lead: cells are closed, so those around a corner that are not blocked
+/// are connected by faces if the corner is not in a blocked one.
+bool CellDecomposition::are_neighbours(const Cell& a, const Cell& b) const {
+  const Cell& whole = space_.whole;
+  Eigen::Index overlapping = 0;
+  bool touch = false;
+  for (Eigen::Index k = 0; k < a.low.size(); ++k) {
+    const bool fixed = whole.low[k] == whole.high[k];
+    if (fixed || (a.low[k] < b.high[k] && b.low[k] < a.high[k])) {
+      ++overlapping;
+      continue;
+    }
+    const bool at_ends = (a.low[k] == whole.low[k] && b.high[k] == whole.high[k]) ||
+                         (b.low[k] == whole.low[k] && a.high[k] == whole.high[k]);
+    touch = a.high[k] == b.low[k] || b.high[k] == a.low[k] ||
+            (at_ends && !space_.wraps.empty() && space_.wraps[static_cast<std::size_t>(k)]);
+  }
+  return touch && overlapping + 1 == a.low.size();
 }
 
 std::size_t CellDecomposition::leaf_at(const Eigen::VectorXd& point) const {
@@ -53,71 +89,37 @@ std::size_t CellDecomposition::leaf_at(const Eigen::VectorXd& point) const {
   return at;
 }
 
-/// The leaves below `node` that have a part of the face in theirs: that of `face` at its upper or lower end of `axis`.
-template <class Visit>
-void CellDecomposition::for_each_leaf_beside(std::size_t node, const Cell& face, Eigen::Index axis, bool above,
-                                             Visit& visit) const {
-  const Cell& cell = nodes_[node].cell;
-  for (Eigen::Index k = 0; k < cell.low.size(); ++k)
-    if (k != axis && !(cell.low[k] < face.high[k] && face.low[k] < cell.high[k])) return;
-  const double at = above ? face.high[axis] : face.low[axis];
-  const bool beside = above ? cell.low[axis] <= at && at < cell.high[axis]   //
-                            : cell.low[axis] < at && at <= cell.high[axis];  //
-  if (!beside) return;
-  if (nodes_[node].child == no_cell) return visit(node);
-  for (const std::size_t child : {nodes_[node].child, nodes_[node].child + 1})
-    for_each_leaf_beside(child, face, axis, above, visit);
-}
-
-template <class Visit>
-void CellDecomposition::for_each_neighbour(std::size_t leaf, Visit&& visit) const {
-  const Cell& cell = nodes_[leaf].cell;
-  const Cell& whole = problem_.whole;
-  for (Eigen::Index axis = 0; axis < cell.low.size(); ++axis)
-    for (const bool above : {false, true}) {
-      Cell face = cell;
-      const bool at_end = above ? cell.high[axis] == whole.high[axis] : cell.low[axis] == whole.low[axis];
-      if (at_end) {
-        if (problem_.wraps.empty() || !problem_.wraps[static_cast<std::size_t>(axis)]) continue;
-        (above ? face.high : face.low)[axis] = above ? whole.low[axis] : whole.high[axis];
-      }
-      for_each_leaf_beside(0, face, axis, above, visit);
-    }
-}
-
-/// From the one point to the other through leaves that are not blocked, of which as few as possible are mixed; empty
-/// when there is none, with barrier_ then. (Breadth first, free leaves before mixed ones.)
-std::vector<std::size_t> CellDecomposition::shortest_way() {
-  const std::size_t first = leaf_at(problem_.from), last = leaf_at(problem_.to);
+/// Breadth first through leaves that are not blocked, free ones before mixed ones, so that as few as possible are
+/// mixed. Empty where there is none; then barrier_ is complete.
+std::vector<std::size_t> CellDecomposition::find_path(std::size_t first, std::size_t last) {
   barrier_.clear();
-  if (nodes_[first].label == CellLabel::blocked || nodes_[last].label == CellLabel::blocked)
-    return {};  // an end is not free: nothing is proved
-  std::vector<std::size_t> before(nodes_.size(), no_cell), mixed(nodes_.size(), no_cell);
-  std::vector<char> done(nodes_.size()), is_barrier(nodes_.size());
+  before_.assign(nodes_.size(), no_cell);
+  mixed_.assign(nodes_.size(), no_cell);
   std::deque<std::size_t> open{first};
-  mixed[first] = nodes_[first].label == CellLabel::mixed;
+  mixed_[first] = nodes_[first].label == CellLabel::mixed;
+  std::vector<char> done(nodes_.size());
   while (!open.empty()) {
     const std::size_t leaf = open.front();
     open.pop_front();
     if (std::exchange(done[leaf], 1)) continue;
+    ++visits_;
     if (leaf == last) {
-      barrier_.clear();
-      std::vector<std::size_t> way{last};
-      while (way.back() != first) way.push_back(before[way.back()]);
-      return way;
+      std::vector<std::size_t> path{last};
+      while (path.back() != first) path.push_back(before_[path.back()]);
+      return path;
     }
-    for_each_neighbour(leaf, [&](std::size_t next) {
+    for (const std::size_t next : nodes_[leaf].neighbours) {
       const CellLabel label = nodes_[next].label;
       if (label == CellLabel::blocked) {
-        if (!std::exchange(is_barrier[next], 1)) barrier_.push_back(next);
-        return;
+        if (!std::exchange(done[next], 1)) barrier_.push_back(next);
+        continue;
       }
-      const std::size_t count = mixed[leaf] + (label == CellLabel::mixed);
-      if (count >= mixed[next]) return;
-      mixed[next] = count;
-      before[next] = leaf;
+      const std::size_t count = mixed_[leaf] + (label == CellLabel::mixed);
+      if (count >= mixed_[next]) continue;
+      mixed_[next] = count;
+      before_[next] = leaf;
       label == CellLabel::mixed ? open.push_back(next) : open.push_front(next);
-    });
+    }
   }
   return {};
 }

@@ -62,8 +62,22 @@ Eigen::VectorXd ConfigurationTree::difference(const Eigen::VectorXd& a, const Ei
   return result;
 }
 
+double ConfigurationTree::wrapped_component(std::size_t i, std::size_t k) const {
+  return !wraps_.empty() && wraps_[k] ? wrapped(component(i, k)) : component(i, k);
+}
+
 std::size_t ConfigurationTree::memory() const {
   return sizeof(ComponentBlock) * blocks_.size() + size() * (sizeof(double) + sizeof(std::size_t));
+}
+
+/// The smallest and the largest value of a component; angles are wrapped.
+std::pair<double, double> ConfigurationTree::range(std::size_t k) const {
+  std::pair<double, double> range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < size(); ++i) {
+    range.first = std::min(range.first, wrapped_component(i, k));
+    range.second = std::max(range.second, wrapped_component(i, k));
+  }
+  return range;
 }
 
 bool ConfigurationTree::projections_overlap(const ConfigurationTree& a, const ConfigurationTree& b,
@@ -71,29 +85,23 @@ bool ConfigurationTree::projections_overlap(const ConfigurationTree& a, const Co
   if (a.empty() || b.empty() || components.empty()) return false;
   const double count = static_cast<double>(a.size() + b.size());
   const double divisions = std::ceil(std::pow(count, 1.0 / static_cast<double>(components.size())));
-  std::vector<std::size_t> cells[2] = {std::vector<std::size_t>(a.size()), std::vector<std::size_t>(b.size())};
+  std::vector<std::size_t> boxes_of_a(a.size()), boxes_of_b(b.size());
   for (const std::size_t k : components) {
-    std::vector<double> values[2];
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const bool second : {false, true}) {
-      const ConfigurationTree& tree = second ? b : a;
-      for (std::size_t i = 0; i < tree.size(); ++i) {
-        const double value = tree.component(i, k);
-        values[second].push_back(!tree.wraps_.empty() && tree.wraps_[k] ? wrapped(value) : value);
-        low = std::min(low, values[second].back());
-        high = std::max(high, values[second].back());
+    const auto range_a = a.range(k), range_b = b.range(k);
+    const double low = std::min(range_a.first, range_b.first), high = std::max(range_a.second, range_b.second);
+    const double per_unit = high - low > 1e-9 ? divisions / (high - low) : 0.0;
+    const auto divide = [&](const ConfigurationTree& tree, std::vector<std::size_t>& boxes) {
+      for (std::size_t i = 0; i < boxes.size(); ++i) {
+        const double division = std::min((tree.wrapped_component(i, k) - low) * per_unit, divisions - 1.0);
+        boxes[i] = boxes[i] * static_cast<std::size_t>(divisions) + static_cast<std::size_t>(division);
       }
-    }
-    const double per_unit = high > low ? divisions / (high - low) : 0.0;
-    for (const bool second : {false, true})
-      for (std::size_t i = 0; i < cells[second].size(); ++i) {
-        const double cell = std::min(std::floor((values[second][i] - low) * per_unit), divisions - 1.0);
-        cells[second][i] = cells[second][i] * static_cast<std::size_t>(divisions) + static_cast<std::size_t>(cell);
-      }
+    };
+    divide(a, boxes_of_a);
+    divide(b, boxes_of_b);
   }
-  std::sort(cells[0].begin(), cells[0].end());
-  return std::any_of(cells[1].begin(), cells[1].end(),
-                     [&](std::size_t cell) { return std::binary_search(cells[0].begin(), cells[0].end(), cell); });
+  std::sort(boxes_of_a.begin(), boxes_of_a.end());
+  return std::any_of(boxes_of_b.begin(), boxes_of_b.end(),
+                     [&](std::size_t box) { return std::binary_search(boxes_of_a.begin(), boxes_of_a.end(), box); });
 }
 
 }  // namespace srmp::search

@@ -34,8 +34,8 @@ class ConfigurationTree {
   double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const { return difference(a, b).norm(); }
   std::size_t memory() const;
 
-  /// Do two trees of one space come to the same places in the space of some components? There, the box around all is
-  /// divided into about as many cells as there are configurations; is one of both trees in one of them?
+  /// Do the projections of two trees of one space onto some components overlap? The box around all of them is divided
+  /// into about as many boxes as there are configurations; is one of each tree in the same?
   static bool projections_overlap(const ConfigurationTree& a, const ConfigurationTree& b,
                                   std::span<const std::size_t> components);
 
@@ -43,6 +43,8 @@ class ConfigurationTree {
   double component(std::size_t i, std::size_t k) const {
     return blocks_[i / block * components_ + k].values[i % block];
   }
+  double wrapped_component(std::size_t i, std::size_t k) const;
+  std::pair<double, double> range(std::size_t k) const;
   std::size_t append(const Eigen::VectorXd& q, std::size_t parent, double cost);
   static constexpr std::size_t block = ComponentBlock::size;
 

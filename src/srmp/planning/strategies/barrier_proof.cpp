@@ -22,19 +22,18 @@ Eigen::VectorXd values_of(const RobotModel& robot, const std::vector<std::size_t
   return values;
 }
 
-/// All that the joints can do that the limits allow.
-CellDecomposition::Problem problem_of(const RobotModel& robot, const std::vector<std::size_t>& joints,
-                                      const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
-  CellDecomposition::Problem problem{.whole = {from, from}, .from = from, .to = to};
-  for (std::size_t k = 0; k < joints.size(); ++k) {
-    const Joint& joint = robot.joints()[joints[k]];
+/// All that the limits of the joints allow.
+CellDecomposition::Space space_of(const RobotModel& robot, const std::vector<std::size_t>& joints) {
+  const auto count = static_cast<Eigen::Index>(joints.size());
+  CellDecomposition::Space space{.whole = {Eigen::VectorXd(count), Eigen::VectorXd(count)}};
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Joint& joint = robot.joints()[joints[static_cast<std::size_t>(k)]];
     const bool wraps = joint.kind == JointKind::continuous;
-    const auto i = static_cast<Eigen::Index>(k);
-    problem.wraps.push_back(wraps);
-    problem.whole.low[i] = wraps ? -std::numbers::pi : std::min({joint.lower, from[i], to[i]});
-    problem.whole.high[i] = wraps ? std::numbers::pi : std::max({joint.upper, from[i], to[i]});
+    space.wraps.push_back(wraps);
+    space.whole.low[k] = wraps ? -std::numbers::pi : joint.lower;
+    space.whole.high[k] = wraps ? std::numbers::pi : joint.upper;
   }
-  return problem;
+  return space;
 }
 
 std::string point_text(const Eigen::VectorXd& values) {
@@ -48,25 +47,26 @@ double volume(const search::Cell& cell) { return (cell.high - cell.low).prod(); 
 }  // namespace
 
 BarrierProof::BarrierProof(const RobotModel& robot, std::vector<std::size_t> joints, const Eigen::VectorXd& from,
-                           const Eigen::VectorXd& to, Checker::Workspace& workspace)
+                           Checker::Workspace& workspace)
     : robot_(robot),
       joints_(joints, from, workspace),
       from_(values_of(robot, joints, from)),
-      to_(values_of(robot, joints, to)),
-      decomposition_(problem_of(robot, joints, from_, to_),
+      decomposition_(space_of(robot, joints),
                      [this](const search::Cell& cell, std::size_t parent) { return label(cell, parent); }) {}
 
-void BarrierProof::run(std::size_t cells) { outcome_ = decomposition_.run(decomposition_.cells() + cells); }
+BarrierProof::Outcome BarrierProof::run(const Eigen::VectorXd& to, std::size_t cells) {
+  return decomposition_.run(from_, values_of(robot_, joints_.joints(), to), decomposition_.cells() + cells);
+}
 
 search::CellLabel BarrierProof::label(const search::Cell& cell, std::size_t parent) {
   JointCells::Pairs near = parent == CellDecomposition::no_cell ? joints_.pairs() : near_[parent];
-  const CollisionStatus status = joints_.verdict(cell.low, cell.high, near).status;
+  const CollisionStatus status = joints_.check(cell.low, cell.high, near).status;
   near_.push_back(std::move(near));
   if (status == CollisionStatus::free) return search::CellLabel::free;
   return status == CollisionStatus::colliding ? search::CellLabel::blocked : search::CellLabel::mixed;
 }
 
-std::string BarrierProof::reason() {
+std::string BarrierProof::reason(const Eigen::VectorXd& to) {
   const std::vector<std::size_t>& barrier = decomposition_.barrier();
   const auto larger = [&](std::size_t a, std::size_t b) {
     return volume(decomposition_.cell(a)) < volume(decomposition_.cell(b));
@@ -74,11 +74,12 @@ std::string BarrierProof::reason() {
   const std::size_t largest = *std::max_element(barrier.begin(), barrier.end(), larger);
   const search::Cell& cell = decomposition_.cell(largest);
   JointCells::Pairs near = near_[largest];
-  const std::uint32_t pair = joints_.verdict(cell.low, cell.high, near).pair;
+  const std::uint32_t pair = joints_.check(cell.low, cell.high, near).pair;
   std::vector<std::string> names;
   for (const std::size_t joint : joints_.joints()) names.push_back(robot_.joints()[joint].name);
   return "there is no path: joints " + quoted_list(names) + " cannot get from " + point_text(from_) + " to " +
-         point_text(to_) + " wherever the other joints are, because they are in collision all around; so at " +
+         point_text(values_of(robot_, joints_.joints(), to)) +
+         " wherever the other joints are, because they are in collision all around; so at " +
          point_text(0.5 * (cell.low + cell.high)) + ", where " + joints_.contact(pair).describe();
 }
 

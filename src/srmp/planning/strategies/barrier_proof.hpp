@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -13,28 +14,30 @@ namespace srmp {
 /// joints alone is in contact all around, wherever the other joints are. A path of the robot would be a path there.
 class BarrierProof {
  public:
+  using Outcome = search::CellDecomposition::Outcome;
+
   /// The robot is that of the workspace's checker; both outlive this.
   BarrierProof(const RobotModel& robot, std::vector<std::size_t> joints, const Eigen::VectorXd& from,
-               const Eigen::VectorXd& to, Checker::Workspace& workspace);
+               Checker::Workspace& workspace);
 
-  /// Labels up to so many more cells.
-  void run(std::size_t cells);
-  const std::vector<std::size_t>& joints() const { return joints_.joints(); }
+  /// Labels up to so many more cells. What was labelled for one target is known for others.
+  Outcome run(const Eigen::VectorXd& to, std::size_t cells);
   std::size_t cells() const { return decomposition_.cells(); }
-  bool finished() const { return outcome_ != search::CellDecomposition::Outcome::unfinished; }
-  bool proved() const { return outcome_ == search::CellDecomposition::Outcome::no_path; }
-  /// Once it is proved: a sentence.
-  std::string reason();
+  /// How much was done, as the number of cells whose labels would have taken as long.
+  std::size_t work() const { return cells() + decomposition_.visits() / visits_per_label; }
+  /// If the last outcome is no_path: a sentence.
+  std::string reason(const Eigen::VectorXd& to);
 
  private:
+  static constexpr std::size_t visits_per_label = 256;
+
   search::CellLabel label(const search::Cell& cell, std::size_t parent);
 
   const RobotModel& robot_;
   JointCells joints_;
+  const Eigen::VectorXd from_;           // of the joints
   std::vector<JointCells::Pairs> near_;  // of each cell: pairs that may be in contact there
-  const Eigen::VectorXd from_, to_;      // of the joints
   search::CellDecomposition decomposition_;
-  search::CellDecomposition::Outcome outcome_{};
 };
 
 }  // namespace srmp

@@ -1,6 +1,7 @@
 #include "srmp/planning/strategies/joint_barriers.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "srmp/collision/joint_barrier.hpp"
 #include "srmp/core/error.hpp"
@@ -10,12 +11,12 @@ namespace srmp {
 
 namespace {
 
-/// Of proofs with several joints. A cell takes about as long as ten checks of motions.
+/// Of proofs with several joints.
 struct ProofOptions {
   std::size_t max_joints{3};            ///< with more, the cells are too many
   std::size_t min_configurations{256};  ///< of both trees together, before they are compared
   std::size_t cells_at_once{100};       ///< with two joints; with three, whose cells take longer, a quarter of it
-  double cells_per_check{0.05};         ///< of a motion, by whatever strategy
+  double cells_per_check{0.1};          ///< of a motion, by whatever strategy; a cell takes as long as some ten checks
 };
 const ProofOptions proof_options;
 
@@ -33,28 +34,31 @@ JointBarriers::JointBarriers(RobotContext& context, const RobotEndpoints& endpoi
     : context_(context), endpoints_(endpoints), trees_(trees), checked_before_(context.checks.motions()) {
   const auto is_configuration = [](const GoalConstraint& goal) { return goal.type == GoalType::joints; };
   if (std::all_of(context.task.goals.begin(), context.task.goals.end(), is_configuration))
-    reasons_.resize(endpoints.targets.size());
+    targets_ = endpoints.targets.size();
 }
 
-Attempt JointBarriers::attempt(const AttemptBudget& budget, const Deadline&) {
+Attempt JointBarriers::attempt(const AttemptBudget& budget, const Deadline& deadline) {
   if (budget.round > 0 && trees_) compare_trees();
-  if (reasons_.empty()) return {};
+  if (targets_ == 0) return {};
   if (budget.round == 0) {
-    for (std::size_t i = 0; i < reasons_.size(); ++i)
-      if ((reasons_[i] = reason_of_one_joint(endpoints_.targets[i])).empty()) return {};
+    find_barriers_of_one_joint();
   } else {
-    prove_further();
+    prove_further(deadline);
   }
-  if (std::any_of(reasons_.begin(), reasons_.end(), [](const std::string& reason) { return reason.empty(); }))
-    return {};
-  return {.status = Status::exhausted, .reason = reasons_.front(), .of_all_paths = true};
+  if (reasons_.size() < targets_) return {};
+  const std::string from = endpoints_.recovery.empty() ? "" : "; it would begin where the start was recovered to";
+  return {.status = Status::exhausted, .reason = reasons_.front() + from, .of_all_paths = true};
 }
 
-/// "": there is no barrier.
-std::string JointBarriers::reason_of_one_joint(const Eigen::VectorXd& target) {
-  const auto barrier =
-      find_joint_barrier(context_.checks.checker(), endpoints_.start, target, context_.checks.workspace());
-  return barrier ? sentence(context_.robot, endpoints_.start, target, *barrier) : "";
+/// Of the targets one after the other, up to the first that has none.
+void JointBarriers::find_barriers_of_one_joint() {
+  while (reasons_.size() < targets_) {
+    const Eigen::VectorXd& target = endpoints_.targets[reasons_.size()];
+    const auto barrier =
+        find_joint_barrier(context_.checks.checker(), endpoints_.start, target, context_.checks.workspace());
+    if (!barrier) return;
+    reasons_.push_back(sentence(context_.robot, endpoints_.start, target, *barrier));
+  }
 }
 
 /// Whenever they are twice as large as the last time.
@@ -62,56 +66,58 @@ void JointBarriers::compare_trees() {
   const search::ConfigurationTree &from_start = trees_->tree(false), &from_goals = trees_->tree(true);
   const std::size_t size = from_start.size() + from_goals.size();
   if (size < std::max(2 * compared_, proof_options.min_configurations)) return;
-  if (compared_ == 0) sets_ = JointCells::sets_of_joints(proof_options.max_joints, context_.checks.workspace());
+  if (compared_ == 0)
+    for (auto& joints : JointCells::sets_of_joints(proof_options.max_joints, context_.checks.workspace()))
+      sets_.push_back({.joints = std::move(joints)});
   compared_ = size;
-  const auto overlap = [&](const JointSet& joints) {
-    return search::ConfigurationTree::projections_overlap(from_start, from_goals, joints);
-  };
-  std::erase_if(sets_, overlap);
-  std::erase_if(proofs_, [&](const auto& proof) { return overlap(proof->joints()); });
+  for (JointSet& set : sets_)
+    set.overlap = search::ConfigurationTree::projections_overlap(from_start, from_goals, set.joints);
 }
 
-bool JointBarriers::may_label(std::size_t cells) const {
+bool JointBarriers::may_work(std::size_t cells) const {
   const auto checks = static_cast<double>(context_.checks.motions() - checked_before_);
-  return static_cast<double>(labelled_ + cells) <= proof_options.cells_per_check * checks;
+  return static_cast<double>(work_ + cells) <= proof_options.cells_per_check * checks;
 }
 
-/// Of the targets one after the other, in each space in turn.
-void JointBarriers::prove_further() {
-  while (!sets_.empty() && may_label(proof_options.cells_at_once)) {
-    const auto target = std::find(reasons_.begin(), reasons_.end(), "");
-    if (target == reasons_.end()) return;
-    if (proofs_.empty()) {
-      const Eigen::VectorXd& configuration = endpoints_.targets[static_cast<std::size_t>(target - reasons_.begin())];
-      *target = reason_of_one_joint(configuration);
-      if (!target->empty()) continue;
-      begin_proofs(configuration);
-    }
-    for (const auto& proof : proofs_) {
-      const std::size_t before = proof->cells();
-      proof->run(proof_options.cells_at_once / (proof->joints().size() > 2 ? 4 : 1));
-      labelled_ += proof->cells() - before;
-      if (proof->proved()) *target = proof->reason();
-      if (proof->finished()) break;
-    }
-    if (!target->empty()) proofs_.clear();
-    std::erase_if(proofs_, [](const auto& proof) { return proof->finished(); });
-    if (proofs_.empty() && target->empty()) sets_.clear();  // this target may be reached
+/// For the targets one after the other.
+void JointBarriers::prove_further(const Deadline& deadline) {
+  std::string reason;
+  while (reasons_.size() < targets_ && may_work(proof_options.cells_at_once) && !deadline.stop_requested() &&
+         try_each_set(endpoints_.targets[reasons_.size()], reason)) {
+    if (reason.empty()) continue;
+    reasons_.push_back(std::exchange(reason, ""));
+    for (JointSet& set : sets_) set.failed = false;
+    find_barriers_of_one_joint();
   }
 }
 
-std::string JointBarriers::suspicion() const {
-  if (compared_ == 0 || sets_.empty()) return "";
-  std::vector<std::string> names;
-  for (const std::size_t joint : sets_.front()) names.push_back(context_.robot.joints()[joint].name);
-  return "; it may be joints " + quoted_list(names) +
-         " that block the way: from the start and from the goals, the search came to different values of them";
+/// Some cells in the space of each set. False: there is none that may prove anything.
+bool JointBarriers::try_each_set(const Eigen::VectorXd& target, std::string& reason) {
+  bool tried = false;
+  for (JointSet& set : sets_) {
+    if (set.overlap || set.failed) continue;
+    if (!set.proof)
+      set.proof =
+          std::make_unique<BarrierProof>(context_.robot, set.joints, endpoints_.start, context_.checks.workspace());
+    const std::size_t before = set.proof->work();
+    const auto outcome = set.proof->run(target, proof_options.cells_at_once / (set.joints.size() > 2 ? 4 : 1));
+    work_ += set.proof->work() - before;
+    tried = true;
+    set.failed = outcome == BarrierProof::Outcome::unproved;
+    if (outcome != BarrierProof::Outcome::no_path) continue;
+    reason = set.proof->reason(target);
+    break;
+  }
+  return tried;
 }
 
-void JointBarriers::begin_proofs(const Eigen::VectorXd& target) {
-  for (const JointSet& joints : sets_)
-    proofs_.push_back(
-        std::make_unique<BarrierProof>(context_.robot, joints, endpoints_.start, target, context_.checks.workspace()));
+std::string JointBarriers::suspicion() const {
+  const auto set = std::find_if(sets_.begin(), sets_.end(), [](const JointSet& s) { return !s.overlap && !s.failed; });
+  if (set == sets_.end()) return "";
+  std::vector<std::string> names;
+  for (const std::size_t joint : set->joints) names.push_back(context_.robot.joints()[joint].name);
+  return "; it may be joints " + quoted_list(names) +
+         " that block the way: from the start and from the goals, the search came to different values of them";
 }
 
 }  // namespace srmp
