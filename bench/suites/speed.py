@@ -4,9 +4,9 @@
         [--baseline PYTHON] [--vamp PYTHON] [--out speed.json]
 
 DIR holds MotionBenchMaker's robots and problems; --multi-data is a directory with panda_two_rod.json, panda_four.json
-and their robot in panda/. Aims: 1 one arm of spheres, until the path is ready; 2 exact meshes; 3 certified and timed,
-from call to return, the first plan in a changed scene, beside a later one after other work, and one object moved or
-added among 100; 4 cost over time; 5 many arms.
+and their robot in panda/. Aims: 1 one arm of spheres, until the path is ready; 2 exact meshes, also to poses; 3
+certified and timed, from call to return, the first plan in a changed scene, beside a later one after other work, and
+one object moved or added among 100; 4 cost over time; 5 many arms.
 
 Times are CPU times of a process whose planner has one thread. Every case runs --rounds times in a process of its own;
 with --baseline, the Python of an environment that holds another build, both take turns. A problem's time is its best of
@@ -83,6 +83,10 @@ def cases(aims: Sequence[int], multi_data: str | None, vamp: str | None) -> list
         Case(2, f"{scenario}, meshes", "path", ("panda", "urdf", scenario), "2 × spheres") for scenario in SCENARIOS
     ]
     found += [Case(2, f"{robot}, meshes", "path", (robot, "urdf", ""), goal) for robot, goal in OTHERS.items()]
+    found += [
+        Case(2, f"{scenario}, meshes, to poses", "to_pose", ("panda", "urdf", scenario), "–") for scenario in SCENARIOS
+    ]
+    found += [Case(2, f"{robot}, meshes, to poses", "to_pose", (robot, "urdf", ""), "–") for robot in OTHERS]
     found += [
         Case(3, f"{scenario}, certified", "certified", ("panda", "spheres", scenario), "1 ms") for scenario in SCENARIOS
     ]
@@ -193,6 +197,17 @@ def path(data: str, problems: str, robot: str, geometry: str, scenario: str) -> 
         return {"seconds": seconds, "cost": None if seconds is None else cost(planner)}
 
     return over_problems(data, problems, robot, geometry, scenario, PATH_ONLY, measure)
+
+
+def to_pose(data: str, problems: str, robot: str, geometry: str, scenario: str) -> Measured:
+    """Of the end effector, where the problem's goal has it: with inverse kinematics."""
+    measured = {}
+    for name, planner, own in set_up(data, problems, robot, geometry, scenario, PATH_ONLY):
+        pose = planner.compute_fk(robot, own.goals[0].targets[0])
+        goal = srmp.GoalConstraint(srmp.GoalType.POSE, pose)
+        seconds, _ = best(lambda: planner.plan(robot, own.start, goal))  # noqa: B023
+        measured[name] = {"seconds": seconds, "cost": None if seconds is None else cost(planner)}
+    return measured
 
 
 def certified(data: str, problems: str, robot: str, geometry: str, scenario: str) -> Measured:
@@ -360,7 +375,7 @@ def arms(data: str, problems: str, scenario: str, robots: int | None, own_data: 
 
 KINDS = {
     function.__name__: function
-    for function in (path, certified, first, after_other_work, moved, added, anytime, yardstick, vamp, arms)
+    for function in (path, to_pose, certified, first, after_other_work, moved, added, anytime, yardstick, vamp, arms)
 }
 
 

@@ -58,7 +58,7 @@ def test_speed_with_a_baseline_in_pairs(suite, stand_in_dir, monkeypatch):
     monkeypatch.setattr(speed, "OTHERS", {})
     monkeypatch.setattr(speed, "has_wheel", lambda: False)  # its wheel may be there
     result = speed.run(str(stand_in_dir), None, "1,2", "1-2", 2, sys.executable)
-    assert [row["name"] for row in result["rows"]] == ["box, spheres", "box, meshes"]
+    assert [row["name"] for row in result["rows"]] == ["box, spheres", "box, meshes", "box, meshes, to poses"]
     for row in result["rows"]:
         assert row["own"].keys() == row["baseline"].keys() == {"box/0001", "box/0002"}
         assert all(own["seconds"] > 0 for own in row["own"].values())
