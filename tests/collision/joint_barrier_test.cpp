@@ -2,7 +2,6 @@
 #include "srmp/collision/joint_barrier.hpp"
 
 #include <boost/test/unit_test.hpp>
-#include <set>
 
 #include "collision/worlds.hpp"
 
@@ -10,13 +9,6 @@ using namespace srmp;
 using namespace worlds;
 
 namespace {
-
-/// The names of the bodies in contact at q, as "a and b".
-std::set<std::string> contacts_at(const Checker& checker, const Eigen::VectorXd& q, Checker::Workspace& workspace) {
-  std::set<std::string> pairs;
-  for (const Contact& contact : checker.contacts(q, workspace)) pairs.insert(contact.body_a + " and " + contact.body_b);
-  return pairs;
-}
 
 /// The robot of spheres in the plane; the first joint moves its upper link alone.
 Scene planar(const std::vector<std::pair<Eigen::Vector3d, Pose>>& boxes) {

@@ -3,23 +3,12 @@
 
 #include <algorithm>
 #include <boost/test/unit_test.hpp>
-#include <numeric>
 #include <set>
 
 #include "collision/worlds.hpp"
 
 using namespace srmp;
 using namespace worlds;
-
-namespace {
-
-std::set<std::string> contacts_at(const Checker& checker, const Eigen::VectorXd& q, Checker::Workspace& workspace) {
-  std::set<std::string> pairs;
-  for (const Contact& contact : checker.contacts(q, workspace)) pairs.insert(contact.body_a + " and " + contact.body_b);
-  return pairs;
-}
-
-}  // namespace
 
 BOOST_AUTO_TEST_CASE(boxes_are_free_or_in_contact_wherever_the_other_joints_are) {
   int free = 0, colliding = 0, undecided = 0;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <random>
+#include <set>
 
 #include "srmp/collision/scene_checker.hpp"
 #include "srmp/scene/shape_geometry.hpp"
@@ -145,6 +146,14 @@ class Dice {
  private:
   std::mt19937 engine_;
 };
+
+/// The names of the bodies in contact at q, as "a and b".
+inline std::set<std::string> contacts_at(const Checker& checker, const Eigen::VectorXd& q,
+                                         Checker::Workspace& workspace) {
+  std::set<std::string> pairs;
+  for (const Contact& contact : checker.contacts(q, workspace)) pairs.insert(contact.body_a + " and " + contact.body_b);
+  return pairs;
+}
 
 /// The arm between two things of each kind, holding one of kind `held`.
 inline Scene crowd(std::shared_ptr<const RobotModel> robot, unsigned seed, std::size_t held, const std::string& hand,
