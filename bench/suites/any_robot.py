@@ -6,9 +6,9 @@
 Needs example-robot-data (pip install example-robot-data). Each world has boxes around where the end effector can be, of
 random sizes, none of which touches the robot at rest; each problem is from one random free configuration to another.
 Times are of `auto` with the robot's better covers (planner.prepare()), the best of --repeats: until the path is ready,
-then its timing and its certificate. Problems that are not solved have no time; those that
-`auto` proves to have no path within --limit are counted. With --baseline each robot is planned in turns by the srmp of
-another Python environment, and the last column is the median ratio of the whole call.
+then its timing and its certificate. Problems that are not solved have no time; those that `auto` proves to have no
+path within --limit are counted. With --baseline each robot is planned in turns by the srmp of another Python
+environment, and the last column is the median ratio of the whole call.
 """
 
 from __future__ import annotations

@@ -166,12 +166,20 @@ def more(seconds: float | None, than: float | None) -> dict[str, Any]:
 
 
 def over_problems(
-    data: str, problems: str, robot: str, geometry: str, scenario: str, options: Mapping[str, Any], measure: Any
+    data: str,
+    problems: str,
+    robot: str,
+    geometry: str,
+    scenario: str,
+    options: Mapping[str, Any],
+    measure: Any,
+    goals_of: Callable[[srmp.PlannerInterface, srmp.MoveItProblem], Any] = lambda _, own: own.goals,
 ) -> Measured:
     """measure(planner, plan) for each problem."""
     return {
-        name: measure(planner, lambda: planner.plan(robot, own.start, own.goals))  # noqa: B023
+        name: measure(planner, lambda: planner.plan(robot, own.start, goals))  # noqa: B023
         for name, planner, own in set_up(data, problems, robot, geometry, scenario, options)
+        for goals in [goals_of(planner, own)]
     }
 
 
@@ -191,23 +199,22 @@ def cost(planner: srmp.PlannerInterface) -> float:
     return planner.get_planning_stats()["path_cost_rad"]
 
 
-def path(data: str, problems: str, robot: str, geometry: str, scenario: str) -> Measured:
-    def measure(planner: srmp.PlannerInterface, plan: Callable[[], Any]) -> dict[str, Any]:
-        seconds, _ = best(plan)
-        return {"seconds": seconds, "cost": None if seconds is None else cost(planner)}
+def time_and_cost(planner: srmp.PlannerInterface, plan: Callable[[], Any]) -> dict[str, Any]:
+    seconds, _ = best(plan)
+    return {"seconds": seconds, "cost": None if seconds is None else cost(planner)}
 
-    return over_problems(data, problems, robot, geometry, scenario, PATH_ONLY, measure)
+
+def path(data: str, problems: str, robot: str, geometry: str, scenario: str) -> Measured:
+    return over_problems(data, problems, robot, geometry, scenario, PATH_ONLY, time_and_cost)
 
 
 def to_pose(data: str, problems: str, robot: str, geometry: str, scenario: str) -> Measured:
     """Of the end effector, where the problem's goal has it: with inverse kinematics."""
-    measured = {}
-    for name, planner, own in set_up(data, problems, robot, geometry, scenario, PATH_ONLY):
-        pose = planner.compute_fk(robot, own.goals[0].targets[0])
-        goal = srmp.GoalConstraint(srmp.GoalType.POSE, pose)
-        seconds, _ = best(lambda: planner.plan(robot, own.start, goal))  # noqa: B023
-        measured[name] = {"seconds": seconds, "cost": None if seconds is None else cost(planner)}
-    return measured
+
+    def pose(planner: srmp.PlannerInterface, own: srmp.MoveItProblem) -> srmp.GoalConstraint:
+        return srmp.GoalConstraint(srmp.GoalType.POSE, planner.compute_fk(robot, own.goals[0].targets[0]))
+
+    return over_problems(data, problems, robot, geometry, scenario, PATH_ONLY, time_and_cost, pose)
 
 
 def certified(data: str, problems: str, robot: str, geometry: str, scenario: str) -> Measured:

@@ -32,6 +32,11 @@ struct Pair {
   std::size_t first_joint{};
   double padding{};
   std::uint64_t support_a{}, support_b{};  // actuated joints between the body and the nearest common frame
+
+  /// Those on which the relative pose of the two depends.
+  std::uint64_t support() const { return support_a | support_b; }
+  /// Does it depend on some, and on these alone?
+  bool depends_only_on(std::uint64_t joints) const { return support() != 0 && (support() & ~joints) == 0; }
 };
 
 /// Two bodies that never move relative to each other, and overlap.

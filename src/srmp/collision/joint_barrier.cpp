@@ -68,9 +68,7 @@ class BarrierSearch {
     place(whole_);
     std::vector<const Pair*> near;
     for (const Pair& pair : model_.bodies.pairs) {
-      const std::uint64_t support = pair.support_a | pair.support_b;
-      if (support != 0 && (support & ~support_) == 0 &&
-          workspace_.distance_bound(pair) <= margin(pair, workspace_.approach(pair)))
+      if (pair.depends_only_on(support_) && workspace_.distance_bound(pair) <= margin(pair, workspace_.approach(pair)))
         near.push_back(&pair);
     }
     return near;

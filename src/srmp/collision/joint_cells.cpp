@@ -78,7 +78,7 @@ std::vector<std::vector<std::size_t>> JointCells::sets_of_joints(std::size_t max
   for (const Pair& pair : model.bodies.pairs)
     if (can_be_eroded(*scene_workspace->body_a(pair).geometry) ||
         can_be_eroded(*scene_workspace->body_b(pair).geometry))
-      supports.insert(pair.support_a | pair.support_b);
+      supports.insert(pair.support());
   std::set<std::vector<std::size_t>> sets;
   for (const std::uint64_t support : supports) {
     std::vector<std::size_t> joints = joints_of(model, support);
@@ -96,10 +96,8 @@ JointCells::JointCells(std::vector<std::size_t> joints, ConstVector q, Checker::
   support_ = model.group.actuated_by(joints_);
   change_.assign(static_cast<std::size_t>(q.size()), 0.0);
   still_ = change_;
-  for (std::uint32_t i = 0; i < model.bodies.pairs.size(); ++i) {
-    const std::uint64_t support = model.bodies.pairs[i].support_a | model.bodies.pairs[i].support_b;
-    if (support != 0 && (support & ~support_) == 0) pairs_.push_back(i);
-  }
+  for (std::uint32_t i = 0; i < model.bodies.pairs.size(); ++i)
+    if (model.bodies.pairs[i].depends_only_on(support_)) pairs_.push_back(i);
 }
 
 JointCells::Result JointCells::check(const Eigen::VectorXd& low, const Eigen::VectorXd& high, Pairs& pairs) {

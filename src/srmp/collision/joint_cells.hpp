@@ -29,7 +29,8 @@ class JointCells {
   JointCells(std::vector<std::size_t> joints, ConstVector q, Checker::Workspace& workspace);
 
   /// Sets of at most `max_joints` joints, more than one, on which the relative pose of two bodies depends that may be
-  /// in contact over a box; small sets first. None with a checker that is not the library's own.
+  /// in contact over a box; small sets first. None with a checker that is not the library's own. Sets with a continuous
+  /// joint that another one follows so that a whole turn does not repeat the pose are left out.
   static std::vector<std::vector<std::size_t>> sets_of_joints(std::size_t max_joints, Checker::Workspace& workspace);
 
   const std::vector<std::size_t>& joints() const { return joints_; }

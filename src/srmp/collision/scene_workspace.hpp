@@ -106,7 +106,7 @@ class SceneWorkspace final : public Checker::Workspace {
   void place_with_axes(ConstVector q);
   void place_on_motion(double t);
   /// Does the motion leave the two where they are relative to each other?
-  bool is_still(const Pair& pair) const { return ((pair.support_a | pair.support_b) & displacements_.active()) == 0; }
+  bool is_still(const Pair& pair) const { return (pair.support() & displacements_.active()) == 0; }
   template <class Visit>
   bool for_each_fixed_near(std::size_t body, double margin, Visit&& visit);
 

@@ -93,10 +93,9 @@ std::size_t CellDecomposition::leaf_at(const Eigen::VectorXd& point) const {
 /// mixed. Empty where there is none; then barrier_ is complete.
 std::vector<std::size_t> CellDecomposition::find_path(std::size_t first, std::size_t last) {
   barrier_.clear();
-  before_.assign(nodes_.size(), no_cell);
-  mixed_.assign(nodes_.size(), no_cell);
+  std::vector<std::size_t> before(nodes_.size(), no_cell), mixed(nodes_.size(), no_cell);  // mixed ones up to a leaf
   std::deque<std::size_t> open{first};
-  mixed_[first] = nodes_[first].label == CellLabel::mixed;
+  mixed[first] = nodes_[first].label == CellLabel::mixed;
   std::vector<char> done(nodes_.size());
   while (!open.empty()) {
     const std::size_t leaf = open.front();
@@ -105,7 +104,7 @@ std::vector<std::size_t> CellDecomposition::find_path(std::size_t first, std::si
     ++visits_;
     if (leaf == last) {
       std::vector<std::size_t> path{last};
-      while (path.back() != first) path.push_back(before_[path.back()]);
+      while (path.back() != first) path.push_back(before[path.back()]);
       return path;
     }
     for (const std::size_t next : nodes_[leaf].neighbours) {
@@ -114,10 +113,10 @@ std::vector<std::size_t> CellDecomposition::find_path(std::size_t first, std::si
         if (!std::exchange(done[next], 1)) barrier_.push_back(next);
         continue;
       }
-      const std::size_t count = mixed_[leaf] + (label == CellLabel::mixed);
-      if (count >= mixed_[next]) continue;
-      mixed_[next] = count;
-      before_[next] = leaf;
+      const std::size_t count = mixed[leaf] + (label == CellLabel::mixed);
+      if (count >= mixed[next]) continue;
+      mixed[next] = count;
+      before[next] = leaf;
       label == CellLabel::mixed ? open.push_back(next) : open.push_front(next);
     }
   }

@@ -73,7 +73,6 @@ class CellDecomposition {
   std::vector<Node> nodes_;
   std::size_t visits_{};
   std::vector<std::size_t> barrier_;
-  std::vector<std::size_t> before_, mixed_;  // by node, of find_path: the one before it, mixed ones up to it
 };
 
 }  // namespace srmp::search

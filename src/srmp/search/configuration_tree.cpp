@@ -8,13 +8,6 @@
 
 namespace srmp::search {
 
-namespace {
-
-/// To [-pi, pi] [rad].
-double wrapped(double angle) { return angle - 2.0 * M_PI * std::nearbyint(angle * (0.5 / M_PI)); }
-
-}  // namespace
-
 std::size_t ConfigurationTree::add_root(const Eigen::VectorXd& q) { return append(q, size(), 0.0); }
 
 std::size_t ConfigurationTree::add(const Eigen::VectorXd& q, std::size_t parent) {

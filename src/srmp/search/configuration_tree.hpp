@@ -40,13 +40,14 @@ class ConfigurationTree {
                                   std::span<const std::size_t> components);
 
  private:
+  static constexpr std::size_t block = ComponentBlock::size;
+
   double component(std::size_t i, std::size_t k) const {
     return blocks_[i / block * components_ + k].values[i % block];
   }
   double wrapped_component(std::size_t i, std::size_t k) const;
   std::pair<double, double> range(std::size_t k) const;
   std::size_t append(const Eigen::VectorXd& q, std::size_t parent, double cost);
-  static constexpr std::size_t block = ComponentBlock::size;
 
   std::vector<char> wraps_;
   std::size_t components_{};

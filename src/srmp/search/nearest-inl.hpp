@@ -2,17 +2,10 @@
 // SRMP_NEAREST as its name. Every operation is exactly rounded and none is fused, so all give the same bits. No include
 // guard: once per kernel file.
 
-#include <cfloat>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 
 #include "srmp/search/nearest.hpp"
-
-static_assert(FLT_EVAL_METHOD == 0, "wrapped() needs sums that are rounded to double precision");
-#ifdef __FAST_MATH__
-#error "wrapped() needs sums in the order in which they are written, so no -ffast-math"
-#endif
 
 namespace srmp::search {
 
@@ -30,13 +23,6 @@ constexpr std::size_t parts = ComponentBlock::size / lanes;
 using Lanes = double __attribute__((vector_size(lanes * sizeof(double))));
 using AnyLanes = double __attribute__((vector_size(lanes * sizeof(double)), may_alias));
 using Numbers = std::int64_t __attribute__((vector_size(lanes * sizeof(double))));
-
-/// Angles wrapped to [-pi, pi] [rad]. Adding and subtracting `rounding` rounds to the nearest whole number, as
-/// std::nearbyint does, but several at once; below 2^51 turns.
-inline Lanes wrapped(Lanes angles) {
-  constexpr double rounding = 0x1.8p52;
-  return angles - 2.0 * std::numbers::pi * ((angles * (0.5 / std::numbers::pi) + rounding) - rounding);
-}
 
 }  // namespace
 

@@ -1,10 +1,25 @@
 #pragma once
 
+#include <cfloat>
 #include <cstddef>
+#include <numbers>
 
 #include "srmp/core/simd_backend.hpp"
 
+static_assert(FLT_EVAL_METHOD == 0, "wrapped() needs sums that are rounded to double precision");
+#ifdef __FAST_MATH__
+#error "wrapped() needs sums in the order in which they are written, so no -ffast-math"
+#endif
+
 namespace srmp::search {
+
+/// An angle, or a vector of several, wrapped to [-pi, pi] [rad]. Adding and subtracting `rounding` rounds to the
+/// nearest whole number, as std::nearbyint does, but without a call; below 2^51 turns.
+template <class Angles>
+Angles wrapped(const Angles& angles) {
+  constexpr double rounding = 0x1.8p52;
+  return angles - 2.0 * std::numbers::pi * ((angles * (0.5 / std::numbers::pi) + rounding) - rounding);
+}
 
 /// One component of as many configurations as are compared at once.
 struct alignas(64) ComponentBlock {

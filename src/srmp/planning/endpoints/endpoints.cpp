@@ -103,7 +103,7 @@ bool add_target(RobotContext& context, RobotEndpoints& endpoints, Eigen::VectorX
   return true;
 }
 
-/// Why a configuration that meets a goal is invalid. Points of contact take longer to find than all else here.
+/// Why a configuration that satisfies a goal is invalid. Points of contact take longer to find than all else here.
 std::string reason_against_target(RobotContext& context, const Eigen::VectorXd& q) {
   const std::string broken = context.checks.violation(q);
   if (!broken.empty()) return broken;

@@ -83,16 +83,14 @@ class PathSearch {
   FoundPath find_first(const Auto& options) {
     const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
     Strategies strategies;
-    const JointBarriers* barriers = nullptr;
+    const search::RrtConnect* trees = nullptr;
     if (wants_rrt_connect()) {
-      auto trees =
+      auto strategy =
           std::make_unique<RrtConnectStrategy>(context_, search_endpoints_, direct_, RrtConnectBudget{.alone = false});
-      const search::RrtConnect* both = &trees->trees();
-      strategies.push_back(std::move(trees));
-      barriers = add_barriers(strategies, both);
-    } else {
-      barriers = add_barriers(strategies, nullptr);
+      trees = &strategy->trees();
+      strategies.push_back(std::move(strategy));
     }
+    const JointBarriers* barriers = add_barriers(strategies, trees);
     auto portfolio = std::make_unique<CountedPortfolio>(lattices_, options.weight);
     const LatticePortfolio& searches = *portfolio;
     strategies.push_back(std::move(portfolio));
