@@ -1,11 +1,12 @@
-// Verdicts of the batch checker on a made-up world, and nearest configurations of a tree, as text: the same on every
-// processor. Needs no library but Eigen, so that it can be built for another processor; tests/python/test_arm.py
-// compares.
+// Verdicts of the batch checker on a made-up world, nearest configurations of a tree and solutions of inverse
+// kinematics, as text: the same on every processor. Needs no library but Eigen, so that it can be built for another
+// processor; tests/python/test_arm.py compares.
 
 #include <cstdio>
 #include <random>
 
 #include "srmp/collision/batch/batch_checker.hpp"
+#include "srmp/robot/damped_least_squares.hpp"
 #include "srmp/search/configuration_tree.hpp"
 
 using namespace srmp;
@@ -57,6 +58,27 @@ int main() {
   const auto workspace = checker.make_workspace();
   std::vector<double> a(7), d(7), block(7 * 16);
   search::ConfigurationTree tree({1, 0, 0, 1, 0, 0, 1});
+  std::vector<ChainJoint> joints(7);
+  const auto copy = [](const Eigen::Isometry3d& frame, double* rotation, double* translation) {
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c) rotation[3 * r + c] = frame(r, c);
+      translation[r] = frame(r, 3);
+    }
+  };
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    copy(turned(vector(-0.3, 0.3)), joints[k].rotation, joints[k].translation);
+    joints[k].ratio = 1.0;
+    joints[k].planned = k;
+    joints[k].prismatic = k == 3;
+  }
+  const std::vector<double> lower(7, -2.0), upper(7, 2.0);
+  DampedLeastSquares aim{.joints = joints.data(),
+                         .joint_count = 7,
+                         .lower = lower.data(),
+                         .upper = upper.data(),
+                         .planned_count = 7,
+                         .tolerance = {1e-5, 1e-5, 1e-5, 1e-4, 1e-4, 1e-4},
+                         .max_iterations = 50};
   for (int i = 0; i < 2000; ++i) {
     for (double& x : a) x = in(-3, 3);
     for (double& x : d) x = in(-0.3, 0.3);
@@ -72,6 +94,10 @@ int main() {
     const Eigen::VectorXd q = Eigen::VectorXd::Map(a.data(), 7);
     if (i > 0) std::printf(" %zu", tree.nearest(q));
     i == 0 ? tree.add_root(q) : tree.add(q, 0);
-    std::printf(" %a\n", tree.cost(tree.size() - 1));
+    std::printf(" %a", tree.cost(tree.size() - 1));
+    bool reached = false;
+    copy(turned(vector(-0.3, 0.3)), aim.end_rotation, aim.end_translation);
+    damped_least_squares(SimdBackend::portable)(aim, 1, a.data(), &reached);
+    std::printf(" %d %a\n", reached, a[0]);
   }
 }

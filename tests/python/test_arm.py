@@ -14,6 +14,7 @@ SOURCES = [
         f"src/srmp/collision/batch/{name}.cpp"
         for name in ("batch_checker", "batch_model", "batch_robot", "kernel_portable")
     ),
+    *(f"src/srmp/robot/damped_least_squares{name}.cpp" for name in ("", "_portable")),
     *(f"src/srmp/search/{name}.cpp" for name in ("configuration_tree", "nearest", "nearest_portable")),
     *(f"src/srmp/core/{name}.cpp" for name in ("error", "simd_backend", "utf8")),
 ]

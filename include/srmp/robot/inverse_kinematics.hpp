@@ -40,11 +40,12 @@ struct IkOptions {
 
 /// Configurations that put `link` ("" = end effector) at `target` (in the robot's base frame) to the tolerances: each
 /// of shape (dof,), within limits, the nearest to `reference` first. Empty when none was found. Deterministic, unless
-/// `deadline`, which is checked between seeds, ends the search.
+/// `deadline`, which is checked every few seeds, ends the search.
 ///
 /// Damped least squares on the link's Jacobian (Sugihara 2011, "Solvability-unconcerned inverse kinematics by the
 /// Levenberg-Marquardt method") with each step kept within the limits, from several seeds. Joints that do not move the
-/// link keep the value of `reference`; continuous joints are returned within half a turn of it.
+/// link keep the value of `reference`; continuous joints are returned within half a turn of it. Seeds are solved side by
+/// side, as many as the CPU's vectors hold, with the same bits for each instruction set.
 ///
 /// Throws InvalidArgument for options out of range, a reference of the wrong size, numbers that are not finite, and
 /// unknown links.

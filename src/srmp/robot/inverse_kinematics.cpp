@@ -1,26 +1,21 @@
 #include "srmp/robot/inverse_kinematics.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
-#include <limits>
+#include <memory>
 #include <numbers>
-#include <optional>
 
 #include "srmp/core/error.hpp"
 #include "srmp/core/low_discrepancy.hpp"
+#include "srmp/robot/damped_least_squares.hpp"
 
 namespace srmp {
 
 namespace {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
-constexpr double kMaxStep = 0.5;  // [rad or m] largest change of a joint in one step, because the Jacobian is local
-constexpr double kMinDamping = 1e-9;
-constexpr int kPatience = 6;     // a seed is abandoned after this many steps without progress: 1 in 100 would arrive
-constexpr int kPolishSteps = 3;  // after the tolerance is met, where convergence is quadratic
+constexpr std::size_t min_block = 8, max_block = 64;  // seeds that are solved side by side
 
 /// The rotation vector of `rotation` [rad], at most pi long.
 Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
@@ -30,7 +25,11 @@ Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
   return sine < 1e-12 ? Eigen::Vector3d(2 * q.vec()) : Eigen::Vector3d(q.vec() * (2 * std::atan2(sine, q.w()) / sine));
 }
 
-/// Solves from one seed at a time.
+void copy(const Eigen::Isometry3d& frame, double* rotation, double* translation) {
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{rotation} = frame.linear();
+  Eigen::Map<Eigen::Vector3d>{translation} = frame.translation();
+}
+
 class Solver {
  public:
   Solver(const RobotModel& robot, const Pose& target, ConstVector reference, const IkOptions& options, std::size_t link)
@@ -39,20 +38,85 @@ class Solver {
         options_(options),
         link_(link),
         data_(robot.make_data(options.other_positions)),
-        jacobian_(6, reference.size()),
-        step_(reference.size()),
         reference_(reference),
         moves_link_(robot.dof(), false),
         whole_turns_(robot.dof(), true) {
-    for (std::size_t k = 0; k < robot.actuated_joints().size(); ++k) {
-      const ActuatedJoint& actuated = robot.actuated_joints()[k];
-      if (robot.link_support(link) >> k & 1) moves_link_[actuated.joint] = true;
-      if (actuated.prismatic || actuated.ratio != std::round(actuated.ratio)) whole_turns_[actuated.joint] = false;
+    for (const Joint& joint : robot.joints()) {
+      lower_.push_back(joint.lower);
+      upper_.push_back(joint.upper);
     }
-    project(reference_);
+    reference_ = reference_.cwiseMax(map(lower_)).cwiseMin(map(upper_));
+    for (const ActuatedJoint& actuated : robot.actuated_joints())
+      if (actuated.prismatic || actuated.ratio != std::round(actuated.ratio)) whole_turns_[actuated.joint] = false;
+    set_problem();
   }
 
   const Eigen::VectorXd& reference() const { return reference_; }
+
+  /// Solutions from `count` seeds on, in their order.
+  std::vector<Eigen::VectorXd> solve(std::size_t first, std::size_t count) {
+    static const DampedLeastSquaresFunction function = damped_least_squares(default_simd_backend());
+    const auto dof = static_cast<Eigen::Index>(robot_.dof());
+    configurations_.resize(dof, static_cast<Eigen::Index>(count));
+    for (std::size_t i = 0; i < count; ++i) configurations_.col(static_cast<Eigen::Index>(i)) = seed(first + i);
+    function(problem_, count, configurations_.data(), reached_.data());
+    std::vector<Eigen::VectorXd> solutions;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!reached_[i]) continue;
+      solutions.emplace_back(configurations_.col(static_cast<Eigen::Index>(i)));
+      bring_near_reference(solutions.back());
+    }
+    return solutions;
+  }
+
+  /// Does Pinocchio say that q is within the tolerances?
+  bool arrives(const Eigen::VectorXd& q) {
+    robot_.forward(*data_, q);
+    const Eigen::Isometry3d pose = robot_.link_pose(*data_, link_);
+    const Eigen::Matrix3d to_target = target_.linear().transpose();
+    const Eigen::Vector3d position = to_target * (target_.translation() - pose.translation());
+    const Eigen::Vector3d rotation = to_target * rotation_error(pose.linear());
+    return within(position, options_.position_tolerance) && within(rotation, options_.rotation_tolerance);
+  }
+
+ private:
+  static Eigen::Map<const Eigen::VectorXd> map(const std::vector<double>& values) {
+    return {values.data(), static_cast<Eigen::Index>(values.size())};
+  }
+
+  static bool within(const Eigen::Vector3d& error, const AxisTolerance& tolerance) {
+    return (error.array().abs() <= tolerance.axes.array()).all();
+  }
+
+  /// Lists the joints that move the link: their axes and the link are seen where all joints are at 0.
+  void set_problem() {
+    robot_.forward(*data_, Eigen::VectorXd::Zero(reference_.size()));
+    Eigen::Isometry3d before = target_;
+    for (std::uint64_t support = robot_.link_support(link_); support != 0; support &= support - 1) {
+      const auto k = static_cast<std::size_t>(std::countr_zero(support));
+      const ActuatedJoint& actuated = robot_.actuated_joints()[k];
+      moves_link_[actuated.joint] = true;
+      const auto [point, axis] = robot_.actuated_joint_axis(*data_, k);
+      Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+      frame.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
+      frame.translation() = point;
+      ChainJoint& joint = chain_.emplace_back();
+      copy(before.inverse() * frame, joint.rotation, joint.translation);
+      joint.ratio = actuated.ratio;
+      joint.planned = actuated.joint;
+      joint.prismatic = actuated.prismatic;
+      before = frame;
+    }
+    copy(before.inverse() * robot_.link_pose(*data_, link_), problem_.end_rotation, problem_.end_translation);
+    problem_.joints = chain_.data();
+    problem_.joint_count = chain_.size();
+    problem_.lower = lower_.data();
+    problem_.upper = upper_.data();
+    problem_.planned_count = robot_.dof();
+    Eigen::Map<Eigen::Vector3d>{problem_.tolerance} = options_.position_tolerance.axes;
+    Eigen::Map<Eigen::Vector3d>{problem_.tolerance + 3} = options_.rotation_tolerance.axes;
+    problem_.max_iterations = options_.max_iterations;
+  }
 
   /// Seed 0 is the reference; joints that do not move the link always keep its value.
   Eigen::VectorXd seed(std::size_t index) const {
@@ -66,47 +130,6 @@ class Solver {
                                                  : joint.lower + unit[i] * (joint.upper - joint.lower);
     }
     return q;
-  }
-
-  std::optional<Eigen::VectorXd> solve(Eigen::VectorXd q) {
-    double best = std::numeric_limits<double>::infinity();
-    int since_best = 0, polished = 0;
-    std::optional<Eigen::VectorXd> solution;
-    double solution_error = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < options_.max_iterations || (solution && polished < kPolishSteps); ++i) {
-      const double error = evaluate(q);
-      if (!std::isfinite(error)) break;
-      if (within_tolerance() && error < solution_error) {
-        solution = q;
-        solution_error = error;
-      }
-      if (solution && polished++ == kPolishSteps) break;
-      since_best = error < 0.999 * best ? 0 : since_best + 1;
-      best = std::min(best, error);
-      if (since_best > kPatience) break;
-      advance(q);
-    }
-    if (solution) bring_near_reference(*solution);
-    return solution;
-  }
-
- private:
-  /// Computes the error and the Jacobian at q along the target's axes, with zeros for free axes; returns the norm of
-  /// the error.
-  double evaluate(const Eigen::VectorXd& q) {
-    robot_.forward(*data_, q);
-    const Eigen::Isometry3d pose = robot_.link_pose(*data_, link_);
-    robot_.jacobian(*data_, link_, jacobian_);
-    const Eigen::Matrix3d to_target = target_.linear().transpose();
-    jacobian_.topRows<3>() = to_target * jacobian_.topRows<3>();
-    jacobian_.bottomRows<3>() = to_target * jacobian_.bottomRows<3>();
-    error_.head<3>() = to_target * (target_.translation() - pose.translation());
-    error_.tail<3>() = to_target * rotation_error(pose.linear());
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      if (options_.position_tolerance.is_free(axis)) error_[axis] = 0, jacobian_.row(axis).setZero();
-      if (options_.rotation_tolerance.is_free(axis)) error_[3 + axis] = 0, jacobian_.row(3 + axis).setZero();
-    }
-    return error_.norm();
   }
 
   /// The rotation vector [rad] from the current to the target orientation. Where exactly one axis is free, the shortest
@@ -128,45 +151,6 @@ class Solver {
     return cosine > 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(std::numbers::pi * current.unitOrthogonal());
   }
 
-  bool within_tolerance() const {
-    return (error_.head<3>().array().abs() <= options_.position_tolerance.axes.array()).all() &&
-           (error_.tail<3>().array().abs() <= options_.rotation_tolerance.axes.array()).all();
-  }
-
-  /// One damped step within the limits. Joints that the step would move beyond a limit are held, and the step is solved
-  /// again for the other joints.
-  void advance(Eigen::VectorXd& q) {
-    for (Eigen::Index round = 0; round <= q.size(); ++round) {
-      damped_step();
-      bool held = false;
-      for (Eigen::Index i = 0; i < q.size(); ++i) {
-        const Joint& joint = robot_.joints()[static_cast<std::size_t>(i)];
-        if ((q[i] <= joint.lower && step_[i] < 0) || (q[i] >= joint.upper && step_[i] > 0)) {
-          jacobian_.col(i).setZero();
-          held = true;
-        }
-      }
-      if (!held) break;
-    }
-    const double max_change = step_.cwiseAbs().maxCoeff();
-    q += step_ * std::min(1.0, kMaxStep / std::max(max_change, 1e-300));
-    project(q);
-  }
-
-  /// step = J^T (J J^T + damping)^-1 error, the damping falling with the error (Sugihara 2011).
-  void damped_step() {
-    Matrix6d normal = jacobian_ * jacobian_.transpose();
-    normal.diagonal().array() += 0.05 * error_.squaredNorm() + kMinDamping;
-    step_.noalias() = jacobian_.transpose() * normal.llt().solve(error_);
-  }
-
-  void project(Eigen::VectorXd& q) const {
-    for (Eigen::Index i = 0; i < q.size(); ++i) {
-      const Joint& joint = robot_.joints()[static_cast<std::size_t>(i)];
-      q[i] = std::clamp(q[i], joint.lower, joint.upper);
-    }
-  }
-
   /// Rotates joints by whole turns to the position nearest to the reference that is within the limits.
   void bring_near_reference(Eigen::VectorXd& q) const {
     constexpr double full_turn = 2 * std::numbers::pi;
@@ -185,13 +169,26 @@ class Solver {
   const IkOptions& options_;
   const std::size_t link_;
   RobotDataPtr data_;
-  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian_;
-  Vector6d error_{Vector6d::Zero()};
-  Eigen::VectorXd step_;
   Eigen::VectorXd reference_;
   std::vector<bool> moves_link_;   // by joint
   std::vector<bool> whole_turns_;  // by joint: does a whole turn leave all link poses unchanged?
+  std::vector<double> lower_, upper_;
+  std::vector<ChainJoint> chain_;
+  DampedLeastSquares problem_{};
+  Eigen::MatrixXd configurations_;  // a column each
+  std::array<bool, max_block> reached_{};
 };
+
+/// Does no joint differ by `distance` [rad or m] or more?
+bool are_close(const RobotModel& robot, const Eigen::VectorXd& a, const Eigen::VectorXd& b, double distance) {
+  for (Eigen::Index i = 0; i < a.size(); ++i) {
+    double change = b[i] - a[i];
+    if (robot.joints()[static_cast<std::size_t>(i)].kind == JointKind::continuous)
+      change = std::remainder(change, 2 * std::numbers::pi);
+    if (!(std::abs(change) < distance)) return false;
+  }
+  return true;
+}
 
 void require_options(const IkOptions& o) {
   const auto require_count = [](int value, const char* name) {
@@ -236,16 +233,15 @@ std::vector<Eigen::VectorXd> inverse_kinematics(const RobotModel& robot, const P
   Solver solver(robot, target, reference, options, robot.link_or_end_effector(link));
 
   std::vector<Eigen::VectorXd> solutions;
-  for (int i = 0; i < options.seeds && !deadline.stop_requested(); ++i) {
-    const auto q = solver.solve(solver.seed(static_cast<std::size_t>(i)));
-    if (!q) continue;
-    const bool is_new = std::none_of(solutions.begin(), solutions.end(), [&](const Eigen::VectorXd& other) {
-      return robot.difference(other, *q).cwiseAbs().maxCoeff() < options.distinct;
-    });
-    if (!is_new) continue;
-    solutions.push_back(*q);
-    if (static_cast<int>(solutions.size()) == options.max_solutions) break;
-  }
+  const auto seeds = static_cast<std::size_t>(options.seeds), enough = static_cast<std::size_t>(options.max_solutions);
+  const std::size_t block = std::clamp(enough, min_block, max_block);
+  const auto is_new = [&](const Eigen::VectorXd& q) {
+    return std::none_of(solutions.begin(), solutions.end(),
+                        [&](const Eigen::VectorXd& other) { return are_close(robot, other, q, options.distinct); });
+  };
+  for (std::size_t i = 0; i < seeds && solutions.size() < enough && !deadline.stop_requested(); i += block)
+    for (const Eigen::VectorXd& q : solver.solve(i, std::min(block, seeds - i)))
+      if (solutions.size() < enough && is_new(q) && solver.arrives(q)) solutions.push_back(q);
   const auto distance = [&](const Eigen::VectorXd& q) { return robot.difference(reference, q).norm(); };
   std::stable_sort(solutions.begin(), solutions.end(),
                    [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return distance(a) < distance(b); });
