@@ -122,10 +122,14 @@ void find_targets(RobotContext& context, RobotEndpoints& endpoints) {
   for (const GoalConstraint& goal : context.task.goals)
     for (const Eigen::VectorXd& target : goal.targets) {
       std::string why;
-      for (Eigen::VectorXd& q :
-           goal_configurations(*context.task.placed, context.task.constraints.get(), goal, target, endpoints.start,
-                               context.common.ik_solutions, context.deadline, why)) {
-        if (!add_target(context, endpoints, q, index) && !first_invalid) first_invalid = std::move(q);
+      int valid = 0;
+      for (Eigen::VectorXd& q : goal_configurations(*context.task.placed, context.task.constraints.get(), goal, target,
+                                                    endpoints.start, context.deadline, why)) {
+        if (add_target(context, endpoints, q, index)) {
+          if (++valid == context.common.ik_solutions) break;
+        } else if (!first_invalid) {
+          first_invalid = std::move(q);
+        }
         context.stop_if_late("the search for goal configurations");
       }
       if (first_reason.empty() && !first_invalid) first_reason = why;

@@ -16,7 +16,9 @@ std::vector<Eigen::VectorXd> solutions_of(const PlacedRobot& placed, const std::
                                           const Eigen::VectorXd& reference, const Deadline& deadline) {
   if (targets.size() > 1) return constrained_inverse_kinematics(placed, nullptr, targets, reference, deadline);
   const IkGoal& target = targets.front();
-  return inverse_kinematics(*placed.model, target.in_base, reference, target.options, target.link, deadline);
+  IkOptions options = target.options;
+  options.max_solutions = options.seeds;  // the nearest of many
+  return inverse_kinematics(*placed.model, target.in_base, reference, options, target.link, deadline);
 }
 
 std::string place_of(const RobotModel& robot, const IkGoal& target, const Pose& base) {
@@ -44,11 +46,10 @@ std::string reason(const PlacedRobot& placed, const std::vector<IkGoal>& targets
 
 std::vector<Eigen::VectorXd> goal_configurations(const PlacedRobot& placed, const PlacedConstraints* constraints,
                                                  const GoalConstraint& goal, const Eigen::VectorXd& target,
-                                                 const Eigen::VectorXd& reference, int max_solutions,
-                                                 const Deadline& deadline, std::string& why) {
+                                                 const Eigen::VectorXd& reference, const Deadline& deadline,
+                                                 std::string& why) {
   if (goal.type == GoalType::joints) return {placed.model->clamped(target, limit_tolerance)};
   std::vector<IkGoal> targets = ik_goals(goal, target, placed);
-  for (IkGoal& each : targets) each.options.max_solutions = max_solutions;
   if (constraints) {  // before those that the constraints may refuse
     auto kept = constrained_inverse_kinematics(placed, constraints, targets, reference, deadline);
     if (!kept.empty()) return kept;

@@ -19,6 +19,30 @@ namespace {
 const ShortcutOptions quick_shortcut{
     .min_gain = 1e-2, .max_rounds = 2, .halvings = 3, .pull_gain = 2e-2, .cut_gain = 1.0, .continuous = {}};
 
+/// Inverse kinematics finds many targets. Paths to the nearest ones are shorter, and often found earlier.
+struct NearestOptions {
+  std::size_t targets{2};
+  std::uint64_t checks{512};  ///< of motions, or samples, before all targets are tried
+};
+const NearestOptions nearest;
+
+/// With the `count` targets that are nearest to the start.
+RobotEndpoints nearest_targets(const RobotContext& context, const RobotEndpoints& endpoints, std::size_t count) {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < endpoints.targets.size(); ++i)
+    order.emplace_back(context.robot.difference(endpoints.start, endpoints.targets[i]).norm(), i);
+  std::sort(order.begin(), order.end());
+  order.resize(std::min(count, order.size()));
+  RobotEndpoints few = endpoints;
+  few.targets.clear(), few.goal_indices.clear(), few.approaches.clear();
+  for (const auto& [distance, i] : order) {
+    few.targets.push_back(endpoints.targets[i]);
+    few.goal_indices.push_back(endpoints.goal_indices[i]);
+    few.approaches.push_back(endpoints.approaches[i]);
+  }
+  return few;
+}
+
 /// Adds its work to the statistics when it is done, found or not.
 class CountedPortfolio : public LatticePortfolio {
  public:
@@ -48,11 +72,7 @@ bool rounds_ends(const RobotContext& context) {
 class PathSearch {
  public:
   PathSearch(RobotContext& context, const RobotEndpoints& endpoints)
-      : context_(context),
-        endpoints_(endpoints),
-        search_endpoints_(search_endpoints()),
-        best_(context),
-        lattices_(context, search_endpoints_) {
+      : context_(context), endpoints_(endpoints), best_(context) {
     for (const Eigen::VectorXd& target : endpoints.targets)
       direct_ = std::min(direct_, context.robot.difference(endpoints.start, target).norm());
   }
@@ -76,22 +96,26 @@ class PathSearch {
     best_.bound(direct_, "every path");
     FoundPath first = find_first(options);
     if (best_.take(first, context_.deadline, quick_shortcut) && improvement(context_.options).requested())
-      improve_path(context_, search_endpoints_, lattices_, best_, std::move(first), direct_,
+      improve_path(context_, search_endpoints(), lattices(), best_, std::move(first), direct_,
                    {.trees = wants_rrt_connect()});
   }
 
   FoundPath find_first(const Auto& options) {
     const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
+    if (wants_rrt_connect())
+      if (auto found = find_among_nearest({.alone = false, .fraction = 0.0, .first_checks = nearest.checks},
+                                          options.weight * direct_))
+        return *std::move(found);
     Strategies strategies;
     const search::RrtConnect* trees = nullptr;
     if (wants_rrt_connect()) {
       auto strategy =
-          std::make_unique<RrtConnectStrategy>(context_, search_endpoints_, direct_, RrtConnectBudget{.alone = false});
+          std::make_unique<RrtConnectStrategy>(context_, search_endpoints(), direct_, RrtConnectBudget{.alone = false});
       trees = &strategy->trees();
       strategies.push_back(std::move(strategy));
     }
     const JointBarriers* barriers = add_barriers(strategies, trees);
-    auto portfolio = std::make_unique<CountedPortfolio>(lattices_, options.weight);
+    auto portfolio = std::make_unique<CountedPortfolio>(lattices(), options.weight);
     const LatticePortfolio& searches = *portfolio;
     strategies.push_back(std::move(portfolio));
     const auto used_up = [&]() -> std::optional<std::string> {
@@ -132,8 +156,9 @@ class PathSearch {
 
   FoundPath find_by_rrt_connect() {
     const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
+    if (auto found = find_among_nearest({.attempts_alone = nearest.checks}, search::infinity)) return *std::move(found);
     Strategies strategies;
-    auto trees = std::make_unique<RrtConnectStrategy>(context_, search_endpoints_, direct_, RrtConnectBudget{});
+    auto trees = std::make_unique<RrtConnectStrategy>(context_, search_endpoints(), direct_, RrtConnectBudget{});
     const JointBarriers* barriers = add_barriers(strategies, &trees->trees());
     strategies.push_back(std::move(trees));
     return attempt(strategies, *barriers, search::infinity);
@@ -142,7 +167,7 @@ class PathSearch {
   void run_lattice_search() {
     Strategies strategies;
     add_barriers(strategies, nullptr);
-    strategies.push_back(std::make_unique<LatticeSearch>(context_, search_endpoints_, lattices_, best_, direct_));
+    strategies.push_back(std::make_unique<LatticeSearch>(context_, search_endpoints(), lattices(), best_, direct_));
     FoundPath found = attempt_in_rounds(strategies, 0.0, 1.0, context_.deadline);
     if (!best_.empty()) return;  // an anytime planner has handed in its paths
     best_.take(std::move(found), context_.deadline);
@@ -151,24 +176,43 @@ class PathSearch {
   /// Options that ask for a certain search get lattices alone.
   bool wants_rrt_connect() const {
     const CommonOptions& common = context_.common;
-    return common.direction == "auto" && common.heuristic == CommonOptions().heuristic && !lattices_.own_primitives();
+    return common.direction == "auto" && common.heuristic == CommonOptions().heuristic && common.mprim_path.empty();
   }
 
-  SearchEndpoints search_endpoints() const {
-    if (!rounds_ends(context_)) return exact_endpoints(endpoints_);
+  /// Where there are more targets than a few, RRT-Connect to the nearest ones alone.
+  std::optional<FoundPath> find_among_nearest(const RrtConnectBudget& budget, double max_cost) {
+    if (endpoints_.targets.size() <= nearest.targets) return std::nullopt;
+    const SearchEndpoints few = search_endpoints_of(nearest_targets(context_, endpoints_, nearest.targets));
+    Attempt found =
+        RrtConnectStrategy(context_, few, direct_, budget).attempt({.max_cost = max_cost}, context_.deadline);
+    if (found.status != Status::solved) return std::nullopt;
+    return std::move(found.found);
+  }
+
+  SearchEndpoints search_endpoints_of(const RobotEndpoints& endpoints) const {
+    if (!rounds_ends(context_)) return exact_endpoints(endpoints);
     const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
     try {
-      return rounded_endpoints(context_, endpoints_);
+      return rounded_endpoints(context_, endpoints);
     } catch (const MotionCheckStopped&) {
-      return exact_endpoints(endpoints_);
+      return exact_endpoints(endpoints);
     }
+  }
+
+  const SearchEndpoints& search_endpoints() {
+    if (!search_endpoints_) search_endpoints_ = search_endpoints_of(endpoints_);
+    return *search_endpoints_;
+  }
+  RobotLattices& lattices() {
+    if (!lattices_) lattices_.emplace(context_, search_endpoints());
+    return *lattices_;
   }
 
   RobotContext& context_;
   const RobotEndpoints& endpoints_;
-  const SearchEndpoints search_endpoints_;
   BestPath best_;
-  RobotLattices lattices_;
+  std::optional<SearchEndpoints> search_endpoints_;  // with all targets; made when needed, since that takes checks
+  std::optional<RobotLattices> lattices_;
   double direct_{search::infinity};  // straight to the nearest goal: no path at all is shorter
 };
 
