@@ -38,7 +38,10 @@ def build():
         stand.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.08, 0.08, z / 2 + 0.03], rgba=[0.6, 0.7, 0.8, 1])
     cup = world.add_body(name="cup", pos=START)
     cup.add_freejoint()
-    cup.add_geom(type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=[RADIUS, 0.05, 0], density=300, rgba=[0.9, 0.4, 0.2, 1])
+    grip = {"condim": 4, "friction": [1, 0.02, 0.0001]}  # soft pads resist turning about where they touch
+    cup.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=[RADIUS, 0.05, 0], density=300, rgba=[0.9, 0.4, 0.2, 1], **grip
+    )
     spec.attach(mujoco.MjSpec.from_string(urdf), prefix="robot/", frame=world.add_frame())
     servo = spec.add_actuator(name=FINGER, target=f"robot/{FINGER}", trntype=mujoco.mjtTrn.mjTRN_JOINT)
     servo.set_to_position(kp=4000, kv=40)

@@ -123,7 +123,7 @@ def test_neighbours_of_a_grid_reach_each_other(data):
     planner = scenario.world.build()
     hands = [
         (name, planner.compute_fk(name, q).p[:2])
-        for number in range(1, 6)
+        for number in range(1, 13)
         for name, q in scenario.problem(number).goals.items()
     ]
     others = [min(math.dist(hand, base) for other, base in bases.items() if other != name) for name, hand in hands]

@@ -165,7 +165,7 @@ def test_a_record_that_reaches_the_time_limit_is_none(small_data_set, tmp_path):
 
 def test_a_motion_that_is_not_found_is_a_record(tmp_path, monkeypatch):
     """By counted work, so that it is the same record everywhere; those that are found do not depend on the budget."""
-    spec = spec_of(count=24, per_shard=8, scenes=[{"kind": "cage", "scale": 0.75}])
+    spec = spec_of(count=24, per_shard=8, scenes=[{"kind": "cage", "scale": 0.71}])
     found = generate(spec, tmp_path / "found", workers=1)
     assert found.solved == 24
     monkeypatch.setattr("srmp.datasets.spec.MAX_EXPANSIONS", 1)
@@ -184,7 +184,7 @@ def test_a_motion_that_is_not_found_is_a_record(tmp_path, monkeypatch):
 
 
 def test_a_budget_of_the_spec(tmp_path):
-    spec = spec_of(count=24, per_shard=8, scenes=[{"kind": "cage", "scale": 0.75}], planner={"max_expansions": 1})
+    spec = spec_of(count=24, per_shard=8, scenes=[{"kind": "cage", "scale": 0.71}], planner={"max_expansions": 1})
     one = generate(spec, tmp_path / "one", workers=1)
     assert set(datasets.open(tmp_path / "one").failures()["status"].to_pylist()) == {"timed_out"}
     assert generate(spec, tmp_path / "two", workers=2).sha256 == one.sha256

@@ -427,6 +427,21 @@ def test_a_continuous_joint_passes_on_the_other_side():
     planner.plan("rod", [-1.5, 0.5, 0.1], srmp.GoalConstraint(srmp.GoalType.JOINTS, [1.5, -0.5, 0.3]))
 
 
+def test_lattices_reach_goals_that_are_whole_turns_away():
+    """Where the search ended at a place on the grid, the goal itself is not a turn away from it."""
+    planner, random = ring_around_the_elbow("continuous"), np.random.default_rng(0)
+    for k in range(16):
+        planner.remove_object(f"post {k}")
+    for name in ("wAstar", "MHAstar", "ARAstar"):
+        planner.make_planner("rod", {"planner_id": name, "time_limit": 600})
+        for _ in range(20):
+            start, goal = (np.append(random.uniform(-2, 2, 2), random.uniform(0, 0.5)) for _ in range(2))
+            goal[0] += 2 * np.pi * random.integers(-2, 3)
+            trajectory = planner.plan("rod", start, srmp.GoalConstraint(srmp.GoalType.JOINTS, goal))
+            assert np.abs(np.diff(trajectory.positions[:, 0])).max() < 0.1
+            assert abs(np.remainder(trajectory.positions[-1, 0] - goal[0] + 1, 2 * np.pi) - 1) < 1e-6
+
+
 @pytest.fixture
 def interruptible():
     """Python's own Ctrl-C, which a program started in the background may have been told to ignore."""

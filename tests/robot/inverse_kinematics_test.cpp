@@ -130,6 +130,62 @@ BOOST_AUTO_TEST_CASE(joints_that_do_not_move_the_link_keep_their_value) {
   for (const auto& q : solutions) BOOST_TEST((q.tail<3>() == reference.tail<3>()));
 }
 
+BOOST_AUTO_TEST_CASE(axes_that_are_nearly_opposite_to_the_bases_are_as_good_as_others) {
+  using robots::bar;
+  using robots::joint;
+  const std::string limit = "<limit lower='-3' upper='3' velocity='2' effort='1'/>";
+  for (const std::string tilt : {"0", "1e-8", "1e-7", "1e-6", "1.45e-6", "3e-6", "1e-5", "1e-3"}) {
+    RobotDescription description;
+    description.urdf_text = "<robot name='tilted'><link name='base'/>" + bar("upper") + bar("lower") +
+                            "<link name='tip'/>" + joint("a", "revolute", "base", "upper", "0 0 0", "0 0 1", limit) +
+                            joint("b", "revolute", "upper", "lower", "1 0 0", "0 " + tilt + " -1", limit) +
+                            joint("c", "revolute", "lower", "tip", "1 0 0", tilt + " 0 -1", limit) + "</robot>";
+    description.end_effector = "tip";
+    const auto robot = RobotModel::load(description);
+    const IkOptions options{.position_tolerance = 1e-7, .rotation_tolerance = 1e-6};
+    for (std::size_t i = 1; i <= 20; ++i) {
+      const Eigen::VectorXd reference = sample_configuration(*robot, i);
+      const auto solutions = inverse_kinematics(*robot, robot->compute_fk(reference), reference, options);
+      BOOST_REQUIRE(!solutions.empty());
+      BOOST_TEST((solutions.front() - reference).norm() < 1e-9);
+    }
+  }
+}
+
+BOOST_AUTO_TEST_CASE(wide_tolerances_are_those_that_were_asked_for) {
+  const auto robot = robots::planar();
+  const Eigen::Vector2d reference(0.1, 1.0);
+  for (const double turn : {0.5, 1.5, 2.8, 3.1}) {  // of the target, about an axis about which the robot cannot turn
+    Pose target = robot->compute_fk(reference);
+    target.q = target.q * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitX());
+    IkOptions options;
+    options.rotation_tolerance = {turn + 1e-3, 0.1, 0.1};
+    BOOST_TEST(!inverse_kinematics(*robot, target, reference, options).empty());
+    options.rotation_tolerance = {turn - 1e-3, 0.1, 0.1};
+    BOOST_TEST(inverse_kinematics(*robot, target, reference, options).empty());
+  }
+}
+
+BOOST_AUTO_TEST_CASE(from_many_references_comes_what_comes_from_each) {
+  const auto robot = RobotModel::load(arm7());
+  const Pose target = robot->compute_fk(robot->group_states().at("ready"));
+  std::vector<Eigen::VectorXd> references;
+  for (std::size_t i = 1; i <= 150; ++i) references.push_back(sample_configuration(*robot, i));
+  const auto all = inverse_kinematics_from(*robot, target, references);
+  BOOST_REQUIRE_EQUAL(all.size(), references.size());
+  int found = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto alone = inverse_kinematics(*robot, target, references[i], {.max_solutions = 1, .seeds = 1});
+    BOOST_TEST(all[i].has_value() == !alone.empty());
+    if (all[i] && !alone.empty()) BOOST_TEST((*all[i] == alone.front()));
+    found += all[i].has_value();
+  }
+  BOOST_TEST((found > 15 && found < 150));
+  BOOST_TEST(inverse_kinematics_from(*robot, target, {}).empty());
+  references[3] = Eigen::Vector2d(0, 0);
+  check_throws<InvalidArgument>([&] { inverse_kinematics_from(*robot, target, references); }, "reference has 2 values");
+}
+
 BOOST_AUTO_TEST_CASE(a_passed_deadline_stops_the_search) {
   const auto robot = RobotModel::load(arm7());
   const Eigen::VectorXd reference = robot->group_states().at("ready");

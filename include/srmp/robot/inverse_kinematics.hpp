@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,13 +45,21 @@ struct IkOptions {
 ///
 /// Damped least squares on the link's Jacobian (Sugihara 2011, "Solvability-unconcerned inverse kinematics by the
 /// Levenberg-Marquardt method") with each step kept within the limits, from several seeds. Joints that do not move the
-/// link keep the value of `reference`; continuous joints are returned within half a turn of it. Seeds are solved side by
-/// side, as many as the CPU's vectors hold, with the same bits for each instruction set.
+/// link keep the value of `reference`; continuous joints are returned within half a turn of it. Seeds are solved side
+/// by side, as many as the CPU's vectors hold, with the same bits for each instruction set.
 ///
 /// Throws InvalidArgument for options out of range, a reference of the wrong size, numbers that are not finite, and
 /// unknown links.
 std::vector<Eigen::VectorXd> inverse_kinematics(const RobotModel& robot, const Pose& target, ConstVector reference,
                                                 const IkOptions& options = {}, const std::string& link = "",
                                                 const Deadline& deadline = {});
+
+/// For each of `references`, the solution that is reached from this seed alone, as by inverse_kinematics with `seeds` =
+/// 1; nullopt: none. All are solved side by side, so that several take about as long as one. Of `options`, `seeds` and
+/// `max_solutions` do not matter. Throws as inverse_kinematics does.
+std::vector<std::optional<Eigen::VectorXd>> inverse_kinematics_from(const RobotModel& robot, const Pose& target,
+                                                                    const std::vector<Eigen::VectorXd>& references,
+                                                                    const IkOptions& options = {},
+                                                                    const std::string& link = "");
 
 }  // namespace srmp

@@ -159,9 +159,10 @@ std::vector<Eigen::VectorXd> SequenceSearch::ends(const std::vector<GoalConstrai
       if (!goal.links.empty()) {
         const RobotInstance& robot = planner_.scene().robot(robot_);
         std::string why;
-        for (Eigen::VectorXd& solution : goal_configurations({robot.model, robot.base, robot.other_positions}, nullptr,
-                                                             goal, target, q, deadline_, why))
-          found.push_back(std::move(solution));
+        auto solutions = goal_configurations({robot.model, robot.base, robot.other_positions}, nullptr, goal, target, q,
+                                             IkOptions{}.max_solutions, deadline_, why);
+        solutions.resize(std::min(solutions.size(), static_cast<std::size_t>(IkOptions{}.max_solutions)));
+        found.insert(found.end(), solutions.begin(), solutions.end());
         continue;
       }
       IkOptions options;

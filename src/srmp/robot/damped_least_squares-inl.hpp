@@ -40,7 +40,7 @@ struct SinCos {
   Lanes sine, cosine;
 };
 
-/// Within two units in the last place for angles below 10^5 [rad]: Cody and Waite's reduction to an eighth of a turn,
+/// Within three units in the last place for angles below 10^5 [rad]: Cody and Waite's reduction to an eighth of a turn,
 /// then Taylor polynomials.
 SinCos sine_and_cosine(Lanes angle) {
   const Lanes quarters = whole(angle * (2.0 / std::numbers::pi));
@@ -88,8 +88,8 @@ struct Frame {
   }
 };
 
-/// The rotation from the frame to the target: its axis, four times as long as the tangent of a quarter of its angle.
-/// That is the angle where it is small, and never less; and it needs no arc functions.
+/// The rotation from the frame to the target: its axis, as long as DampedLeastSquares::tolerance says, which is never
+/// less than the angle.
 Vector rotation_to_target(const Frame& f) {
   // Four candidates for the quaternion, each times four times another of its components, of which the largest is taken.
   const Lanes w = 1.0 + f.x.x + f.y.y + f.z.z, x = 1.0 + f.x.x - f.y.y - f.z.z, y = 1.0 - f.x.x + f.y.y - f.z.z,

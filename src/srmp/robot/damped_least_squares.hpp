@@ -26,7 +26,9 @@ struct DampedLeastSquares {
   double end_translation[3];
   const double *lower, *upper;  ///< limits of the planned joints [rad or m]
   std::size_t planned_count;    ///< at most max_joints
-  double tolerance[6];          ///< along and about the target's axes [m, rad]; infinity: free
+  /// Along the target's axes [m], and about them: four times the tangent of a quarter of the angle, which needs no arc
+  /// functions, is the angle where it is small, and 4 at half a turn. Infinity: free.
+  double tolerance[6];
   int max_iterations;
 };
 

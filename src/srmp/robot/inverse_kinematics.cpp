@@ -4,8 +4,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <memory>
 #include <numbers>
+#include <optional>
 
 #include "srmp/core/error.hpp"
 #include "srmp/core/low_discrepancy.hpp"
@@ -25,48 +25,74 @@ Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
   return sine < 1e-12 ? Eigen::Vector3d(2 * q.vec()) : Eigen::Vector3d(q.vec() * (2 * std::atan2(sine, q.w()) / sine));
 }
 
+/// Of a tolerance [rad]: as DampedLeastSquares::tolerance.
+double as_tangent(double angle) {
+  return std::isinf(angle) ? angle : 4.0 * std::tan(std::min(angle, std::numbers::pi) / 4.0);
+}
+
 void copy(const Eigen::Isometry3d& frame, double* rotation, double* translation) {
   Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{rotation} = frame.linear();
   Eigen::Map<Eigen::Vector3d>{translation} = frame.translation();
 }
 
+/// Solves for one target.
 class Solver {
  public:
-  Solver(const RobotModel& robot, const Pose& target, ConstVector reference, const IkOptions& options, std::size_t link)
+  Solver(const RobotModel& robot, const Pose& target, const IkOptions& options, const std::string& link)
       : robot_(robot),
         target_(target.isometry()),
         options_(options),
-        link_(link),
+        link_(robot.link_or_end_effector(link)),
         data_(robot.make_data(options.other_positions)),
-        reference_(reference),
         moves_link_(robot.dof(), false),
         whole_turns_(robot.dof(), true) {
     for (const Joint& joint : robot.joints()) {
       lower_.push_back(joint.lower);
       upper_.push_back(joint.upper);
     }
-    reference_ = reference_.cwiseMax(map(lower_)).cwiseMin(map(upper_));
     for (const ActuatedJoint& actuated : robot.actuated_joints())
       if (actuated.prismatic || actuated.ratio != std::round(actuated.ratio)) whole_turns_[actuated.joint] = false;
     set_problem();
   }
 
-  const Eigen::VectorXd& reference() const { return reference_; }
-
-  /// Solutions from `count` seeds on, in their order.
-  std::vector<Eigen::VectorXd> solve(std::size_t first, std::size_t count) {
-    static const DampedLeastSquaresFunction function = damped_least_squares(default_simd_backend());
-    const auto dof = static_cast<Eigen::Index>(robot_.dof());
-    configurations_.resize(dof, static_cast<Eigen::Index>(count));
-    for (std::size_t i = 0; i < count; ++i) configurations_.col(static_cast<Eigen::Index>(i)) = seed(first + i);
-    function(problem_, count, configurations_.data(), reached_.data());
-    std::vector<Eigen::VectorXd> solutions;
-    for (std::size_t i = 0; i < count; ++i) {
-      if (!reached_[i]) continue;
-      solutions.emplace_back(configurations_.col(static_cast<Eigen::Index>(i)));
-      bring_near_reference(solutions.back());
+  /// Seed 0 is the reference; joints that do not move the link always keep its value.
+  Eigen::VectorXd seed(std::size_t index, ConstVector reference) const {
+    Eigen::VectorXd q = within_limits(reference);
+    if (index == 0) return q;
+    const Eigen::VectorXd unit = low_discrepancy_point(index, q.size());
+    for (Eigen::Index i = 0; i < q.size(); ++i) {
+      const Joint& joint = robot_.joints()[static_cast<std::size_t>(i)];
+      if (!moves_link_[static_cast<std::size_t>(i)]) continue;
+      q[i] = joint.kind == JointKind::continuous ? (2 * unit[i] - 1) * std::numbers::pi
+                                                 : joint.lower + unit[i] * (joint.upper - joint.lower);
     }
+    return q;
+  }
+
+  /// The solutions from these seeds, no more than max_block; nullopt: none.
+  std::vector<std::optional<Eigen::VectorXd>> solve(const std::vector<Eigen::VectorXd>& seeds) {
+    static const DampedLeastSquaresFunction function = damped_least_squares(default_simd_backend());
+    Eigen::MatrixXd columns(static_cast<Eigen::Index>(robot_.dof()), std::ssize(seeds));
+    for (Eigen::Index i = 0; i < columns.cols(); ++i) columns.col(i) = seeds[static_cast<std::size_t>(i)];
+    std::array<bool, max_block> reached;
+    function(problem_, seeds.size(), columns.data(), reached.data());
+    std::vector<std::optional<Eigen::VectorXd>> solutions(seeds.size());
+    for (std::size_t i = 0; i < seeds.size(); ++i)
+      if (reached[i]) solutions[i] = columns.col(static_cast<Eigen::Index>(i));
     return solutions;
+  }
+
+  /// Rotates joints by whole turns to the position nearest to the reference that is within the limits.
+  void bring_near(ConstVector reference, Eigen::VectorXd& q) const {
+    constexpr double full_turn = 2 * std::numbers::pi;
+    for (Eigen::Index i = 0; i < q.size(); ++i) {
+      const Joint& joint = robot_.joints()[static_cast<std::size_t>(i)];
+      if (!whole_turns_[static_cast<std::size_t>(i)]) continue;
+      double value = reference[i] + std::remainder(q[i] - reference[i], full_turn);
+      if (value < joint.lower) value += full_turn;
+      if (value > joint.upper) value -= full_turn;
+      if (value >= joint.lower && value <= joint.upper) q[i] = value;
+    }
   }
 
   /// Does Pinocchio say that q is within the tolerances?
@@ -84,13 +110,15 @@ class Solver {
     return {values.data(), static_cast<Eigen::Index>(values.size())};
   }
 
+  Eigen::VectorXd within_limits(ConstVector q) const { return q.cwiseMax(map(lower_)).cwiseMin(map(upper_)); }
+
   static bool within(const Eigen::Vector3d& error, const AxisTolerance& tolerance) {
     return (error.array().abs() <= tolerance.axes.array()).all();
   }
 
   /// Lists the joints that move the link: their axes and the link are seen where all joints are at 0.
   void set_problem() {
-    robot_.forward(*data_, Eigen::VectorXd::Zero(reference_.size()));
+    robot_.forward(*data_, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot_.dof())));
     Eigen::Isometry3d before = target_;
     for (std::uint64_t support = robot_.link_support(link_); support != 0; support &= support - 1) {
       const auto k = static_cast<std::size_t>(std::countr_zero(support));
@@ -98,7 +126,8 @@ class Solver {
       moves_link_[actuated.joint] = true;
       const auto [point, axis] = robot_.actuated_joint_axis(*data_, k);
       Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
-      frame.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
+      const Eigen::Vector3d beside = axis.unitOrthogonal();
+      frame.linear() << beside, axis.cross(beside), axis;
       frame.translation() = point;
       ChainJoint& joint = chain_.emplace_back();
       copy(before.inverse() * frame, joint.rotation, joint.translation);
@@ -114,22 +143,9 @@ class Solver {
     problem_.upper = upper_.data();
     problem_.planned_count = robot_.dof();
     Eigen::Map<Eigen::Vector3d>{problem_.tolerance} = options_.position_tolerance.axes;
-    Eigen::Map<Eigen::Vector3d>{problem_.tolerance + 3} = options_.rotation_tolerance.axes;
+    for (int axis = 0; axis < 3; ++axis)
+      problem_.tolerance[3 + axis] = as_tangent(options_.rotation_tolerance.axes[axis]);
     problem_.max_iterations = options_.max_iterations;
-  }
-
-  /// Seed 0 is the reference; joints that do not move the link always keep its value.
-  Eigen::VectorXd seed(std::size_t index) const {
-    Eigen::VectorXd q = reference_;
-    if (index == 0) return q;
-    const Eigen::VectorXd unit = low_discrepancy_point(index, q.size());
-    for (Eigen::Index i = 0; i < q.size(); ++i) {
-      const Joint& joint = robot_.joints()[static_cast<std::size_t>(i)];
-      if (!moves_link_[static_cast<std::size_t>(i)]) continue;
-      q[i] = joint.kind == JointKind::continuous ? (2 * unit[i] - 1) * std::numbers::pi
-                                                 : joint.lower + unit[i] * (joint.upper - joint.lower);
-    }
-    return q;
   }
 
   /// The rotation vector [rad] from the current to the target orientation. Where exactly one axis is free, the shortest
@@ -151,32 +167,16 @@ class Solver {
     return cosine > 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(std::numbers::pi * current.unitOrthogonal());
   }
 
-  /// Rotates joints by whole turns to the position nearest to the reference that is within the limits.
-  void bring_near_reference(Eigen::VectorXd& q) const {
-    constexpr double full_turn = 2 * std::numbers::pi;
-    for (Eigen::Index i = 0; i < q.size(); ++i) {
-      const Joint& joint = robot_.joints()[static_cast<std::size_t>(i)];
-      if (!whole_turns_[static_cast<std::size_t>(i)]) continue;
-      double value = reference_[i] + std::remainder(q[i] - reference_[i], full_turn);
-      if (value < joint.lower) value += full_turn;
-      if (value > joint.upper) value -= full_turn;
-      if (value >= joint.lower && value <= joint.upper) q[i] = value;
-    }
-  }
-
   const RobotModel& robot_;
   const Eigen::Isometry3d target_;
   const IkOptions& options_;
   const std::size_t link_;
   RobotDataPtr data_;
-  Eigen::VectorXd reference_;
   std::vector<bool> moves_link_;   // by joint
   std::vector<bool> whole_turns_;  // by joint: does a whole turn leave all link poses unchanged?
   std::vector<double> lower_, upper_;
   std::vector<ChainJoint> chain_;
   DampedLeastSquares problem_{};
-  Eigen::MatrixXd configurations_;  // a column each
-  std::array<bool, max_block> reached_{};
 };
 
 /// Does no joint differ by `distance` [rad or m] or more?
@@ -228,23 +228,50 @@ std::vector<Eigen::VectorXd> inverse_kinematics(const RobotModel& robot, const P
                                                 const Deadline& deadline) {
   require_options(options);
   robot.require_configuration(reference, "reference");
-  const auto pose = target.to_list();
-  require_finite(pose, "target");
-  Solver solver(robot, target, reference, options, robot.link_or_end_effector(link));
-
+  require_finite(target.to_list(), "target");
+  Solver solver(robot, target, options, link);
   std::vector<Eigen::VectorXd> solutions;
-  const auto seeds = static_cast<std::size_t>(options.seeds), enough = static_cast<std::size_t>(options.max_solutions);
-  const std::size_t block = std::clamp(enough, min_block, max_block);
+  const auto count = static_cast<std::size_t>(options.seeds), enough = static_cast<std::size_t>(options.max_solutions);
   const auto is_new = [&](const Eigen::VectorXd& q) {
     return std::none_of(solutions.begin(), solutions.end(),
                         [&](const Eigen::VectorXd& other) { return are_close(robot, other, q, options.distinct); });
   };
-  for (std::size_t i = 0; i < seeds && solutions.size() < enough && !deadline.stop_requested(); i += block)
-    for (const Eigen::VectorXd& q : solver.solve(i, std::min(block, seeds - i)))
-      if (solutions.size() < enough && is_new(q) && solver.arrives(q)) solutions.push_back(q);
+  const Eigen::VectorXd first = solver.seed(0, reference);
+  for (std::size_t i = 0; i < count && solutions.size() < enough && !deadline.stop_requested();) {
+    std::vector<Eigen::VectorXd> seeds;
+    for (const std::size_t end = std::min(i + std::clamp(enough, min_block, max_block), count); i < end; ++i)
+      seeds.push_back(solver.seed(i, reference));
+    for (std::optional<Eigen::VectorXd>& q : solver.solve(seeds)) {
+      if (!q || solutions.size() == enough) continue;
+      solver.bring_near(first, *q);
+      if (is_new(*q) && solver.arrives(*q)) solutions.push_back(*std::move(q));
+    }
+  }
   const auto distance = [&](const Eigen::VectorXd& q) { return robot.difference(reference, q).norm(); };
   std::stable_sort(solutions.begin(), solutions.end(),
                    [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return distance(a) < distance(b); });
+  return solutions;
+}
+
+std::vector<std::optional<Eigen::VectorXd>> inverse_kinematics_from(const RobotModel& robot, const Pose& target,
+                                                                    const std::vector<Eigen::VectorXd>& references,
+                                                                    const IkOptions& options, const std::string& link) {
+  require_options(options);
+  for (const Eigen::VectorXd& reference : references) robot.require_configuration(reference, "reference");
+  require_finite(target.to_list(), "target");
+  std::vector<std::optional<Eigen::VectorXd>> solutions;
+  if (references.empty()) return solutions;
+  Solver solver(robot, target, options, link);
+  for (std::size_t i = 0; i < references.size();) {
+    std::vector<Eigen::VectorXd> seeds;
+    for (const std::size_t end = std::min(i + max_block, references.size()); i < end; ++i)
+      seeds.push_back(solver.seed(0, references[i]));
+    for (std::optional<Eigen::VectorXd>& q : solver.solve(seeds)) {
+      if (q) solver.bring_near(references[solutions.size()], *q);
+      if (q && !solver.arrives(*q)) q.reset();
+      solutions.push_back(std::move(q));
+    }
+  }
   return solutions;
 }
 

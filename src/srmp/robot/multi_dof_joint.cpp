@@ -163,7 +163,8 @@ std::string expanded_urdf(const std::string& urdf_text, const MultiDofJoint& joi
     xml::add_named(robot, "link", name);
     return name;
   };
-  Eigen::Matrix3d axes = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), joint.normal).toRotationMatrix();
+  Eigen::Matrix3d axes =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), joint.normal).normalized().toRotationMatrix();
   axes.col(2) = joint.normal;
   std::string parent = joint.is_above_root() ? add_link(joint.name + "/origin") : joint.parent;
   for (const Coordinate& coordinate : joint.type.coordinates) {

@@ -58,16 +58,30 @@ void CartesianGraph::add_layers(const CartesianGraphOptions& options) {
   }
 }
 
-std::vector<Eigen::VectorXd> CartesianGraph::at_layer(std::size_t layer, const Eigen::VectorXd& reference,
-                                                      int seeds) const {
-  IkOptions options{.max_solutions = seeds, .seeds = seeds, .max_iterations = seeds > 1 ? 100 : options_.ik_iterations};
+IkOptions CartesianGraph::ik_options() const {
+  IkOptions options;
   options.other_positions = context_.checks.checker().other_positions();
   if (close_) {  // the rule near the ends is about micrometres
     options.position_tolerance = 1e-7;
     options.rotation_tolerance = 1e-6;
   }
+  return options;
+}
+
+std::vector<Eigen::VectorXd> CartesianGraph::at_layer(std::size_t layer, const Eigen::VectorXd& reference,
+                                                      int seeds) const {
+  IkOptions options = ik_options();
+  options.max_solutions = options.seeds = seeds;
   return inverse_kinematics(context_.robot, layers_[layer].pose, reference, options,
                             context_.robot.link_names()[options_.link], context_.deadline);
+}
+
+std::vector<std::optional<Eigen::VectorXd>> CartesianGraph::near_at_layer(
+    std::size_t layer, const std::vector<Eigen::VectorXd>& references) const {
+  IkOptions options = ik_options();
+  options.max_iterations = options_.ik_iterations;
+  return inverse_kinematics_from(context_.robot, layers_[layer].pose, references, options,
+                                 context_.robot.link_names()[options_.link]);
 }
 
 search::StateId CartesianGraph::insert(std::size_t layer, Eigen::VectorXd q, Part part) {
@@ -105,12 +119,11 @@ void CartesianGraph::successors(search::StateId state, std::vector<search::Succe
   const State from = states_[state];  // a copy: states are added
   farthest_ = std::max(farthest_, from.layer);
   const std::size_t first = out.size();
-  const auto add = [&](std::size_t layer, const Eigen::VectorXd& reference) {
-    const auto found = at_layer(layer, reference, 1);
-    if (found.empty()) return;
-    const std::optional<Part> part = part_behind(from.part, found.front());
+  const auto add = [&](std::size_t layer, const std::optional<Eigen::VectorXd>& found) {
+    if (!found) return;
+    const std::optional<Part> part = part_behind(from.part, *found);
     if (!part) return;
-    const search::StateId to = insert(layer, found.front(), *part);
+    const search::StateId to = insert(layer, *found, *part);
     const double cost = context_.robot.difference(from.q, states_[to].q).norm();
     const bool known = to == state || std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
                                                   [&](const search::Successor& s) { return s.state == to; });
@@ -118,14 +131,19 @@ void CartesianGraph::successors(search::StateId state, std::vector<search::Succe
   };
   const bool last = from.layer + 1 == layers_.size();
   if (last) return;
-  add(from.layer + 1, from.q);
   const Eigen::MatrixXd directions = redundancy(from.q);
+  std::vector<Eigen::VectorXd> references;  // beside it, then itself
   for (Eigen::Index i = 0; i < directions.cols(); ++i)
-    for (const double side : {options_.redundancy_step, -options_.redundancy_step}) {
-      const Eigen::VectorXd beside = from.q + side * directions.col(i);
-      add(from.layer + 1, beside);
-      add(from.layer, beside);
-    }
+    for (const double side : {options_.redundancy_step, -options_.redundancy_step})
+      references.emplace_back(from.q + side * directions.col(i));
+  const auto beside = near_at_layer(from.layer, references);
+  references.push_back(from.q);
+  const auto next = near_at_layer(from.layer + 1, references);
+  add(from.layer + 1, next.back());
+  for (std::size_t i = 0; i < beside.size(); ++i) {
+    add(from.layer + 1, next[i]);
+    add(from.layer, beside[i]);
+  }
 }
 
 void CartesianGraph::evaluate(std::span<const search::Edge> edges, std::span<double> costs) {
@@ -176,15 +194,15 @@ std::string CartesianGraph::place_of(std::size_t layer, const std::string& verb)
 std::string CartesianGraph::obstruction_behind(const State& state) {
   const std::size_t next = state.layer + 1;
   if (next == layers_.size()) return close_->closeness(state.q) + ", and it ends before that is kept";
-  const std::vector<Eigen::VectorXd> near = at_layer(next, state.q, 1);
-  if (near.empty())
+  const std::optional<Eigen::VectorXd> near = near_at_layer(next, {state.q}).front();
+  if (!near)
     return at_layer(next, state.q, options_.many_seeds).empty()
                ? "no configuration within the joint limits puts it at the next pose"
                : "no configuration near the one before puts it at the next pose: a joint limit or a singularity is in "
                  "the way";
-  const std::string why = invalidity_behind(state, near.front());
+  const std::string why = invalidity_behind(state, *near);
   if (!why.empty()) return why;
-  return "the joints would have to move by " + rounded(context_.robot.difference(state.q, near.front()).norm()) +
+  return "the joints would have to move by " + rounded(context_.robot.difference(state.q, *near).norm()) +
          " rad (m) in one step: a singularity is in the way";
 }
 

@@ -8,6 +8,7 @@
 #include "srmp/lattice/state_table.hpp"
 #include "srmp/planning/endpoints/close_motions.hpp"
 #include "srmp/planning/robot_context.hpp"
+#include "srmp/robot/inverse_kinematics.hpp"
 #include "srmp/search/graph.hpp"
 #include "srmp/trajectory/cartesian_deviation.hpp"
 
@@ -87,8 +88,12 @@ class CartesianGraph {
   };
 
   void add_layers(const CartesianGraphOptions& options);
-  /// Configurations that put the link at the layer's pose: from one seed the one nearest to `reference`.
+  IkOptions ik_options() const;
+  /// Configurations that put the link at the layer's pose.
   std::vector<Eigen::VectorXd> at_layer(std::size_t layer, const Eigen::VectorXd& reference, int seeds) const;
+  /// The same, one near each reference, if there is one.
+  std::vector<std::optional<Eigen::VectorXd>> near_at_layer(std::size_t layer,
+                                                            const std::vector<Eigen::VectorXd>& references) const;
   search::StateId insert(std::size_t layer, Eigen::VectorXd q, Part part);
   /// Of a configuration behind a state of the part; none: no path leads there.
   std::optional<Part> part_behind(Part before, const Eigen::VectorXd& q);

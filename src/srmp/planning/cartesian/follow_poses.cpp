@@ -102,8 +102,9 @@ class FollowPoses {
     if (!context_.task.constraints) return;
     const GoalConstraint goal = GoalConstraint::pose(poses_.path.end(), link());
     std::string unreachable, why;
-    for (const Eigen::VectorXd& q : goal_configurations(*context_.task.placed, context_.task.constraints.get(), goal,
-                                                        goal.targets.front(), start, deadline_, unreachable)) {
+    for (const Eigen::VectorXd& q :
+         goal_configurations(*context_.task.placed, context_.task.constraints.get(), goal, goal.targets.front(), start,
+                             context_.common.ik_solutions, deadline_, unreachable)) {
       const std::string broken = context_.checks.constraints()->violation(q);
       if (broken.empty()) return;
       if (why.empty()) why = broken;

@@ -85,13 +85,13 @@ bool may_be_approached(RobotContext& context, const Eigen::VectorXd& q) {
   return !context.task.constraints && is_only_close(context, q);
 }
 
-/// Adds a configuration that meets a goal as a target, or where the way to it begins if it does not keep the clearance;
-/// false: it is invalid.
-bool add_target(RobotContext& context, RobotEndpoints& endpoints, Eigen::VectorXd q, int goal_index) {
+/// Adds a configuration that meets a goal as a target, or where the way to it begins if it does not keep the clearance,
+/// as long as there are `searches` left for such ways; false: it is invalid.
+bool add_target(RobotContext& context, RobotEndpoints& endpoints, Eigen::VectorXd q, int goal_index, int& searches) {
   if (!context.checks.violation(q).empty()) return false;
   std::vector<Eigen::VectorXd> approach;
   if (context.robot.limit_violation(q) || !context.checks.checker().is_free(q, context.checks.workspace())) {
-    if (!may_be_approached(context, q)) return false;
+    if (!may_be_approached(context, q) || searches-- <= 0) return false;
     approach = find_departure(context, q);
     if (approach.empty()) return false;
     std::reverse(approach.begin(), approach.end());
@@ -122,10 +122,11 @@ void find_targets(RobotContext& context, RobotEndpoints& endpoints) {
   for (const GoalConstraint& goal : context.task.goals)
     for (const Eigen::VectorXd& target : goal.targets) {
       std::string why;
-      int valid = 0;
-      for (Eigen::VectorXd& q : goal_configurations(*context.task.placed, context.task.constraints.get(), goal, target,
-                                                    endpoints.start, context.deadline, why)) {
-        if (add_target(context, endpoints, q, index)) {
+      int valid = 0, searches = context.common.ik_solutions;
+      for (Eigen::VectorXd& q :
+           goal_configurations(*context.task.placed, context.task.constraints.get(), goal, target, endpoints.start,
+                               context.common.ik_solutions, context.deadline, why)) {
+        if (add_target(context, endpoints, q, index, searches)) {
           if (++valid == context.common.ik_solutions) break;
         } else if (!first_invalid) {
           first_invalid = std::move(q);

@@ -46,10 +46,11 @@ std::string reason(const PlacedRobot& placed, const std::vector<IkGoal>& targets
 
 std::vector<Eigen::VectorXd> goal_configurations(const PlacedRobot& placed, const PlacedConstraints* constraints,
                                                  const GoalConstraint& goal, const Eigen::VectorXd& target,
-                                                 const Eigen::VectorXd& reference, const Deadline& deadline,
-                                                 std::string& why) {
+                                                 const Eigen::VectorXd& reference, int max_solutions,
+                                                 const Deadline& deadline, std::string& why) {
   if (goal.type == GoalType::joints) return {placed.model->clamped(target, limit_tolerance)};
   std::vector<IkGoal> targets = ik_goals(goal, target, placed);
+  for (IkGoal& each : targets) each.options.max_solutions = max_solutions;
   if (constraints) {  // before those that the constraints may refuse
     auto kept = constrained_inverse_kinematics(placed, constraints, targets, reference, deadline);
     if (!kept.empty()) return kept;

@@ -31,9 +31,10 @@ std::vector<OptionSpec> common_option_specs() {
                     "The grid of the bfs heuristic has cells of this size."),
       common_option("bfs_radius", &C::bfs_radius, at_least(0.0, "m"),
                     "The grid of the bfs heuristic inflates obstacles by this radius."),
-      common_option("ik_solutions", &C::ik_solutions, above(0.0),
-                    "A pose or position goal becomes at most this many valid configurations: of all that inverse "
-                    "kinematics finds, the nearest to the start."),
+      common_option(
+          "ik_solutions", &C::ik_solutions, above(0.0),
+          "Each target of a pose or position goal becomes at most this many valid configurations: of those that "
+          "inverse kinematics finds, the nearest to the start."),
       common_option("ik_goal_connection", &C::ik_goal_connection, anything(),
                     "A search from the start may also end by inverse kinematics from a state near a pose or position "
                     "target."),

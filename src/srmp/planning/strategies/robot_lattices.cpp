@@ -59,7 +59,7 @@ FoundPath RobotLattices::path_of(const search::Result& result, const Lattice& la
   std::optional<std::size_t> target;
   if (!connected) target = choice.from_goals() ? goal : lattice.target_of(goal);
   RowMatrix rows = endpoints_.with_own_ends(stack_waypoints(waypoints), target);
-  if (choice.from_goals()) rows = unwrap_waypoints(rows, context_.task.limits.continuous);
+  rows = unwrap_waypoints(rows, context_.task.limits.continuous);  // own ends, and paths from the goals
   const bool one_end = endpoints_.targets.size() == 1 && (choice.from_goals() || !goal_connection_);
   const double ends = endpoints_.length_of_ends(context_.robot, target);
   const double of_every_path = one_end ? ends : endpoints_.length_of_ends(context_.robot, std::nullopt);

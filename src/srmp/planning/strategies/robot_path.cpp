@@ -22,7 +22,7 @@ const ShortcutOptions quick_shortcut{
 /// Inverse kinematics finds many targets. Paths to the nearest ones are shorter, and often found earlier.
 struct NearestOptions {
   std::size_t targets{2};
-  std::uint64_t checks{512};  ///< of motions, or samples, before all targets are tried
+  std::uint64_t checks{512};  ///< of motions, before all targets are tried; for `RRTConnect`: attempts
 };
 const NearestOptions nearest;
 
@@ -95,9 +95,10 @@ class PathSearch {
   void run_auto(const Auto& options) {
     best_.bound(direct_, "every path");
     FoundPath first = find_first(options);
-    if (best_.take(first, context_.deadline, quick_shortcut) && improvement(context_.options).requested())
-      improve_path(context_, search_endpoints(), lattices(), best_, std::move(first), direct_,
-                   {.trees = wants_rrt_connect()});
+    if (!best_.take(first, context_.deadline, quick_shortcut) || !improvement(context_.options).requested()) return;
+    prepare_search();
+    improve_path(context_, search_endpoints(), lattices(), best_, std::move(first), direct_,
+                 {.trees = wants_rrt_connect()});
   }
 
   FoundPath find_first(const Auto& options) {
@@ -165,6 +166,7 @@ class PathSearch {
   }
 
   void run_lattice_search() {
+    prepare_search();
     Strategies strategies;
     add_barriers(strategies, nullptr);
     strategies.push_back(std::make_unique<LatticeSearch>(context_, search_endpoints(), lattices(), best_, direct_));
@@ -191,7 +193,6 @@ class PathSearch {
 
   SearchEndpoints search_endpoints_of(const RobotEndpoints& endpoints) const {
     if (!rounds_ends(context_)) return exact_endpoints(endpoints);
-    const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
     try {
       return rounded_endpoints(context_, endpoints);
     } catch (const MotionCheckStopped&) {
@@ -199,6 +200,10 @@ class PathSearch {
     }
   }
 
+  void prepare_search() {
+    const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
+    lattices();
+  }
   const SearchEndpoints& search_endpoints() {
     if (!search_endpoints_) search_endpoints_ = search_endpoints_of(endpoints_);
     return *search_endpoints_;

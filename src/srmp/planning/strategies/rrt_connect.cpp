@@ -66,7 +66,7 @@ Attempt RrtConnectStrategy::not_found(const Deadline& deadline) const {
 }
 
 search::Statistics RrtConnectStrategy::work() const {
-  return {.expansions = trees_.attempts(), .evaluations = context_.checks.motions() - checked_before_};
+  return {.expansions = context_.statistics.samples + trees_.attempts(), .evaluations = context_.checks.motions()};
 }
 
 search::RrtSpace RrtConnectStrategy::space() const {

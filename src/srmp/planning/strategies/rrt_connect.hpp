@@ -39,7 +39,7 @@ class RrtConnectStrategy : public Strategy {
  private:
   search::RrtSpace space() const;
   bool has_budget(std::uint64_t attempts) const;  // after so many in this round
-  search::Statistics work() const;
+  search::Statistics work() const;                // of the whole plan, with that of trees before
   Attempt not_found(const Deadline& deadline) const;
 
   RobotContext& context_;
