@@ -37,7 +37,8 @@ std::size_t SRMP_NEAREST(const ConfigurationBlocks& configurations, const double
   double square = infinity;
   for (std::size_t i = 0; i < ComponentBlock::size; ++i) {
     const double other = least[i / lane_count][i % lane_count];
-    const std::size_t number = static_cast<std::size_t>(where[i / lane_count][i % lane_count]) * ComponentBlock::size + i;
+    const std::size_t number =
+        static_cast<std::size_t>(where[i / lane_count][i % lane_count]) * ComponentBlock::size + i;
     if (other < square || (other == square && square < infinity && number < best)) square = other, best = number;
   }
   return best;
