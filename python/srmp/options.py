@@ -53,8 +53,8 @@ class _Options:
     bfs_radius: float = 0.05
     """The grid of the bfs heuristic inflates obstacles by this radius [m, >= 0]."""
     ik_solutions: int = 16
-    """A pose or position goal becomes at most this many valid configurations: of all that inverse kinematics finds, the
-    nearest to the start [> 0]."""
+    """Each target of a pose or position goal becomes at most this many valid configurations: of those that inverse
+    kinematics finds, the nearest to the start [> 0]."""
     ik_goal_connection: bool = True
     """A search from the start may also end by inverse kinematics from a state near a pose or position target."""
     recover_start: bool = False

@@ -34,8 +34,8 @@ struct CommonOptions {
   double bfs_resolution{0.05};
   /// The grid of the bfs heuristic inflates obstacles by this radius [m, >= 0].
   double bfs_radius{0.05};
-  /// A pose or position goal becomes at most this many valid configurations: of all that inverse kinematics finds, the
-  /// nearest to the start [> 0].
+  /// Each target of a pose or position goal becomes at most this many valid configurations: of those that inverse
+  /// kinematics finds, the nearest to the start [> 0].
   int ik_solutions{16};
   /// A search from the start may also end by inverse kinematics from a state near a pose or position target.
   bool ik_goal_connection{true};
