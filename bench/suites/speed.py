@@ -119,7 +119,21 @@ def cases(aims: Sequence[int], multi_data: str | None, vamp: str | None) -> list
             Case(5, name, "arms", (str(Path(multi_data, f"panda_{name}.json")), None, multi_data), goal)
             for name, goal in files.items()
         ]
+        found += [
+            Case(
+                5,
+                f"{name}, to poses",
+                "arms_to_poses",
+                (str(Path(multi_data, f"panda_{name}.json")), None, multi_data),
+                "–",
+            )
+            for name in files
+        ]
     found += [Case(5, f"{name} of {count}", "arms", (name, count, None), goal) for name, count, goal in GENERATED]
+    found += [
+        Case(5, f"{name} of {count}, to poses", "arms_to_poses", (name, count, None), "–")
+        for name, count in (("binpick", 4), ("shelves", 3), ("grid", 16))
+    ]
     return [case for case in found if case.aim in aims]
 
 
@@ -361,7 +375,14 @@ def primitives(planner: srmp.PlannerInterface) -> dict[str, list[Any]]:
     return found
 
 
-def arms(data: str, problems: str, scenario: str, robots: int | None, own_data: str | None) -> Measured:
+def arms_to_poses(data: str, problems: str, scenario: str, robots: int | None, own_data: str | None) -> Measured:
+    """Of the end effectors, where the problems' goals have them."""
+    return arms(data, problems, scenario, robots, own_data, to_poses=True)
+
+
+def arms(
+    data: str, problems: str, scenario: str, robots: int | None, own_data: str | None, to_poses: bool = False
+) -> Measured:
     from srmp.bench.scenarios import find
 
     found = find(scenario, robots, 0, own_data or data)
@@ -374,7 +395,12 @@ def arms(data: str, problems: str, scenario: str, robots: int | None, own_data: 
         if number not in found.numbers:
             continue
         problem = found.problem(number)
-        goals = {name: srmp.GoalConstraint(srmp.GoalType.JOINTS, q) for name, q in problem.goals.items()}
+        goals = {
+            name: srmp.GoalConstraint(srmp.GoalType.POSE, planner.compute_fk(name, q))
+            if to_poses
+            else srmp.GoalConstraint(srmp.GoalType.JOINTS, q)
+            for name, q in problem.goals.items()
+        }
         seconds, _ = best(lambda: planner.plan_multi(problem.starts, goals), 1)  # noqa: B023
         result[f"{number:04d}"] = {"seconds": seconds, "cost": None if seconds is None else cost(planner)}
     return result
@@ -382,7 +408,20 @@ def arms(data: str, problems: str, scenario: str, robots: int | None, own_data: 
 
 KINDS = {
     function.__name__: function
-    for function in (path, to_pose, certified, first, after_other_work, moved, added, anytime, yardstick, vamp, arms)
+    for function in (
+        path,
+        to_pose,
+        certified,
+        first,
+        after_other_work,
+        moved,
+        added,
+        anytime,
+        yardstick,
+        vamp,
+        arms,
+        arms_to_poses,
+    )
 }
 
 

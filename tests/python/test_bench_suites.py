@@ -79,8 +79,9 @@ def test_the_other_measurements_of_speed(suite, stand_in_dir, monkeypatch):
         assert row["seconds"] is not None
     (row,) = speed.anytime(str(stand_in_dir), "1", "panda", "urdf", "box").values()
     assert row["cost"] == min(cost for cost in row["costs"].values() if cost is not None)
-    (row,) = speed.arms(str(stand_in_dir), "1", "grid", 2, None).values()
-    assert row["seconds"] > 0
+    for arms in (speed.arms, speed.arms_to_poses):
+        (row,) = arms(str(stand_in_dir), "1", "grid", 2, None).values()
+        assert row["seconds"] > 0
 
 
 VAMP_STAND_IN = """

@@ -5,6 +5,7 @@
 #include "srmp/planning/strategies/composite_roadmap.hpp"
 #include "srmp/planning/strategies/composite_sampling.hpp"
 #include "srmp/planning/strategies/composite_search.hpp"
+#include "srmp/planning/strategies/free_goals.hpp"
 #include "srmp/planning/strategies/one_by_one.hpp"
 #include "support/facing_arms.hpp"
 
@@ -48,9 +49,50 @@ void check_path(FacingArms& pair, const JointPath& path, const std::array<Vector
   }
 }
 
+std::vector<std::vector<Eigen::VectorXd>> own_paths(srmp::MultiRobotWorld& world) {
+  return srmp::paths_to_free_goals(world, both, {}).paths;
+}
+
 }  // namespace
 
 BOOST_AUTO_TEST_SUITE(composite)
+
+BOOST_AUTO_TEST_CASE(goals_that_robots_choose_alone_give_way_to_others_that_are_free) {
+  const Vector2d straight(0.0, 0.0), down(-1.2, 0.0), up(1.2, 0.1);
+  srmp::WorldTask left = FacingArms::task_to(straight), right = left;  // both straight: the robots collide
+  left.targets = right.targets = {straight, down, up};
+  FacingArms pair(left, right);
+  const srmp::FreeGoals found = srmp::paths_to_free_goals(*pair.world, both, {});
+  BOOST_TEST((found.paths[0] == left.single_robot_path));  // the last robots first
+  BOOST_TEST((found.paths[1].front() == start));
+  BOOST_TEST((found.paths[1].back() == down));
+  BOOST_TEST(found.attempts > 0u);
+  for (std::size_t k = 1; k < found.paths[1].size(); ++k)
+    BOOST_TEST(pair.world->is_free_for_one(1, found.paths[1][k - 1], found.paths[1][k]));
+  const srmp::OneByOneResult all = srmp::one_by_one(*pair.world, both, found.paths, {}, {}, {});
+  BOOST_REQUIRE(all.path.has_value());
+  check_path(pair, *all.path, {start, start}, {straight, down});
+
+  // Where nothing can be chosen, or found, the paths are their own.
+  left.targets = right.targets = {straight};
+  for (const srmp::FreeGoalsOptions& options :
+       {srmp::FreeGoalsOptions{}, {.steps = 1}, {.attempts = 0}, {.paths = 0}}) {
+    FacingArms same(left, right);
+    const srmp::FreeGoals none = srmp::paths_to_free_goals(*same.world, both, {}, options);
+    BOOST_TEST((none.paths == std::vector{left.single_robot_path, right.single_robot_path}));
+    left.targets = right.targets = {straight, down};  // from the second time on
+  }
+  FacingArms stopped(left, right);
+  BOOST_TEST(
+      (srmp::paths_to_free_goals(*stopped.world, both, srmp::Deadline(0.0)).paths[1] == right.single_robot_path));
+
+  // A robot that may end anywhere stays.
+  left = {.start = straight, .targets = {}, .single_robot_path = {}, .anywhere = true};
+  FacingArms beside(left, right);
+  const srmp::FreeGoals around = srmp::paths_to_free_goals(*beside.world, both, {});
+  BOOST_TEST((around.paths[0] == std::vector<Eigen::VectorXd>{straight}));
+  BOOST_TEST((around.paths[1].back() == down));
+}
 
 BOOST_AUTO_TEST_CASE(rrt_connect_and_lattices_find_free_paths_from_start_to_goal) {
   FacingArms pair;
@@ -80,7 +122,8 @@ BOOST_AUTO_TEST_CASE(robots_move_one_after_the_other_around_those_that_stand) {
   // The left arm passes the right one, which is straight at its start and bent at its goal: it has to move first.
   FacingArms pair({up, {down}, {up, down}}, {straight, {bent}, {straight, bent}});
   for (const bool backwards : {false, true}) {
-    const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {}, {.backwards = backwards}, {});
+    const srmp::OneByOneResult found =
+        srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {}, {.backwards = backwards}, {});
     BOOST_REQUIRE(found.path.has_value());
     check_path(pair, *found.path, {up, straight}, {down, bent});
     const std::vector<srmp::RowMatrix>& q = found.path->positions;
@@ -95,12 +138,13 @@ BOOST_AUTO_TEST_CASE(robots_that_cannot_pass_at_once_retreat) {
   for (const bool backwards : {false, true}) {
     const srmp::OneByOneOptions without{.backwards = backwards, .retreats = 0},
         with{.attempts_of_all = 16'384, .backwards = backwards, .max_expansions = 4'096, .retreats = 32};
-    BOOST_TEST(!srmp::one_by_one(*pair.world, both, {}, without, {}).path.has_value());
-    const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {}, with, {});
+    BOOST_TEST(!srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {}, without, {}).path.has_value());
+    const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {}, with, {});
     BOOST_REQUIRE(found.path.has_value());
     check_path(pair, *found.path, {up, straight}, {down, straight});
     // The same problem, the same path.
-    BOOST_TEST((srmp::one_by_one(*pair.world, both, {}, with, {}).path->positions == found.path->positions));
+    BOOST_TEST((srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {}, with, {}).path->positions ==
+                found.path->positions));
   }
 }
 
@@ -110,7 +154,7 @@ BOOST_AUTO_TEST_CASE(robots_that_turn_round_begin_exactly_at_their_starts) {
   FacingArms pair({up, {down}, {up, down}}, {straight, {straight}, {straight}}, "continuous");
   for (const bool backwards : {false, true}) {
     const srmp::OneByOneOptions options{.attempts = 4'096, .attempts_of_all = 16'384, .backwards = backwards};
-    const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {}, options, {});
+    const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {}, options, {});
     BOOST_REQUIRE(found.path.has_value());
     check_path(pair, *found.path, {up, straight}, {Vector2d(2 * M_PI - 1.2, 0.0), straight});
     const srmp::RowMatrix& q = found.path->positions[0];
@@ -125,7 +169,8 @@ BOOST_AUTO_TEST_CASE(robots_move_along_a_known_path_at_the_same_time) {
   const JointPath known = space.path({space.start(), (space.start() + space.targets()[0]) / 2, space.targets()[0]}),
                   elsewhere = space.path({space.start(), space.start() * 0.9});
   for (const bool backwards : {false, true}) {
-    const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {&known}, {.backwards = backwards}, {});
+    const srmp::OneByOneResult found =
+        srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {&known}, {.backwards = backwards}, {});
     BOOST_REQUIRE(found.path.has_value());
     for (const std::size_t robot : both)
       BOOST_TEST((found.path->positions[robot] - known.positions[robot]).norm() < 1e-12);
@@ -133,8 +178,9 @@ BOOST_AUTO_TEST_CASE(robots_move_along_a_known_path_at_the_same_time) {
   }
   for (const bool backwards : {false, true}) {  // a path to other goals is no use
     const srmp::OneByOneOptions options{.backwards = backwards};
-    const srmp::OneByOneResult other = srmp::one_by_one(*pair.world, both, {&elsewhere}, options, {}),
-                               alone = srmp::one_by_one(*pair.world, both, {}, options, {});
+    const srmp::OneByOneResult other = srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {&elsewhere},
+                                                        options, {}),
+                               alone = srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {}, options, {});
     BOOST_REQUIRE(other.path.has_value() == alone.path.has_value());
     if (alone.path) BOOST_TEST((other.path->positions == alone.path->positions));
   }
@@ -154,7 +200,8 @@ BOOST_AUTO_TEST_CASE(paths_from_their_ends) {
 BOOST_AUTO_TEST_CASE(no_order_of_robots_leads_to_goals_in_collision) {
   FacingArms apart(Vector2d(0.0, 0.0));  // both straight: the robots collide
   for (const bool backwards : {false, true}) {
-    const srmp::OneByOneResult found = srmp::one_by_one(*apart.world, both, {}, {.backwards = backwards}, {});
+    const srmp::OneByOneResult found =
+        srmp::one_by_one(*apart.world, both, own_paths(*apart.world), {}, {.backwards = backwards}, {});
     BOOST_TEST(!found.path.has_value());
     if (backwards) BOOST_TEST(found.attempts == 0u);  // there is no state to begin in
   }

@@ -64,9 +64,13 @@ Attempt OneByOneStrategy::attempt(const AttemptBudget& budget, const Deadline& d
         &options.known_attempts, &options.known_attempts_of_all})
     *attempts <<= budget.round;
   options.seed = static_cast<std::uint64_t>(budget.round);
+  if (!goals_) {
+    goals_ = paths_to_free_goals(world_, robots_, deadline);
+    statistics_.samples += goals_->attempts;
+  }
   for (const bool backwards : {false, true}) {
     options.backwards = backwards;
-    OneByOneResult found = one_by_one(world_, robots_, known_, options, deadline);
+    OneByOneResult found = one_by_one(world_, robots_, goals_->paths, known_, options, deadline);
     statistics_.expansions += found.expansions;
     statistics_.samples += found.attempts;
     note_memory(statistics_, found.memory);

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <optional>
+
 #include "srmp/multi/conflict_search.hpp"
 #include "srmp/planning/options.hpp"
 #include "srmp/planning/statistics.hpp"
 #include "srmp/planning/strategies/composite_roadmap.hpp"
 #include "srmp/planning/strategies/composite_space.hpp"
+#include "srmp/planning/strategies/free_goals.hpp"
 #include "srmp/planning/strategies/roadmap_levels.hpp"
 #include "srmp/planning/strategies/strategy.hpp"
 
@@ -28,6 +31,7 @@ class OneByOneStrategy : public Strategy {
   const std::vector<std::size_t>& robots_;
   const std::vector<const JointPath*> known_;
   PlanStatistics& statistics_;
+  std::optional<FreeGoals> goals_;  // from the first attempt on
 };
 
 /// Roadmaps of the robots, searched jointly (composite_roadmap.hpp): quick where robots need only wait or retreat. Each

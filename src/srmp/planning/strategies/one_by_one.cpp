@@ -52,15 +52,16 @@ class PlacesSearch {
     std::size_t motion;  // that led here, in motions_; not_found: not searched for yet
   };
 
-  PlacesSearch(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
+  PlacesSearch(MultiRobotWorld& world, const std::vector<std::size_t>& robots, const std::vector<Path>& own_paths,
                const std::vector<const JointPath*>& known, const OneByOneOptions& options, const Deadline& deadline)
       : world_(world), robots_(robots), options_(options), deadline_(deadline) {
     for (std::size_t i = 0; i < robots.size(); ++i) {
-      const WorldTask& task = world.task(robots[i]);
-      Path own = task.anywhere ? Path{task.start} : task.single_robot_path;
+      Path own = own_paths[i];
       if (own.empty()) continue;
+      const bool of_task = own == world.task(robots[i]).single_robot_path;
       if (options.backwards) std::ranges::reverse(own);
       motions_.push_back(joint_path(world, robots[i], own));
+      own_lengths_.push_back(of_task ? world.alone(robots[i]) : motions_.back().length());
       places_.push_back({own.front(), own.back()});
     }
     for (const JointPath* path : known)
@@ -232,7 +233,7 @@ class PlacesSearch {
   /// Of a robot from where it stands, at least, as if the others were not there.
   double own_left(std::size_t i, const State& places) const {
     if (is_there(i, places)) return 0.0;
-    return places[i] == at_start ? world_.alone(robots_[i]) : distance(i, places[i], at_goal);
+    return places[i] == at_start ? own_lengths_[i] : distance(i, places[i], at_goal);
   }
   double shorter_left(const State& from, const State& to) const {
     double sum = 0.0;
@@ -417,7 +418,8 @@ class PlacesSearch {
   const std::vector<std::size_t>& robots_;
   const OneByOneOptions& options_;
   const Deadline& deadline_;
-  std::vector<Path> places_;        // by robot
+  std::vector<Path> places_;  // by robot
+  std::vector<double> own_lengths_;
   std::vector<Path> own_points_;    // along their own paths, by number in the world; empty until needed
   std::vector<JointPath> motions_;  // the robots' own, then others: of those that move
   double goal_weight_{options_.goal_weight};
@@ -437,9 +439,10 @@ class PlacesSearch {
 }  // namespace
 
 OneByOneResult one_by_one(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
+                          const std::vector<std::vector<Eigen::VectorXd>>& own_paths,
                           const std::vector<const JointPath*>& known, const OneByOneOptions& options,
                           const Deadline& deadline) {
-  return PlacesSearch(world, robots, known, options, deadline).run();
+  return PlacesSearch(world, robots, own_paths, known, options, deadline).run();
 }
 
 }  // namespace srmp

@@ -53,10 +53,12 @@ struct OneByOneResult {
 /// where one from the starts goes through many orders first. Guarantee: the path is free. That none is found says
 /// nothing.
 ///
-/// `robots`: numbers in the world, increasing. Robots that may end anywhere stay where they start. `known`: paths of
-/// some of them, from their starts to their goals, no two of the same robot. Robots that move at the same time there do
-/// so here first: along this path; then, if everything else but pairs fails, by trees that begin with it.
+/// `robots`: numbers in the world, increasing. `own_paths`: one a robot, as if it were alone, which ends where the
+/// robot is to end; where one is empty, nothing is found. Robots that may end anywhere stay where they start. `known`:
+/// paths of some of them, from their starts to their goals, no two of the same robot. Robots that move at the same time
+/// there do so here first: along this path; then, if everything else but pairs fails, by trees that begin with it.
 OneByOneResult one_by_one(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
+                          const std::vector<std::vector<Eigen::VectorXd>>& own_paths,
                           const std::vector<const JointPath*>& known, const OneByOneOptions& options,
                           const Deadline& deadline);
 
