@@ -113,28 +113,21 @@ def cases(aims: Sequence[int], multi_data: str | None, vamp: str | None) -> list
         for scenario in SCENARIOS
         if vamp
     ]
-    if multi_data:
-        files = {"two_rod": "8 ms", "four": "30 ms"}
-        found += [
-            Case(5, name, "arms", (str(Path(multi_data, f"panda_{name}.json")), None, multi_data), goal)
-            for name, goal in files.items()
-        ]
-        found += [
-            Case(
-                5,
-                f"{name}, to poses",
-                "arms_to_poses",
-                (str(Path(multi_data, f"panda_{name}.json")), None, multi_data),
-                "–",
-            )
-            for name in files
-        ]
-    found += [Case(5, f"{name} of {count}", "arms", (name, count, None), goal) for name, count, goal in GENERATED]
-    found += [
-        Case(5, f"{name} of {count}, to poses", "arms_to_poses", (name, count, None), "–")
-        for name, count in (("binpick", 4), ("shelves", 3), ("grid", 16))
-    ]
+    found += cases_of_arms(multi_data)
     return [case for case in found if case.aim in aims]
+
+
+def cases_of_arms(multi_data: str | None) -> list[Case]:
+    """To the configurations that the aims are about, and to poses."""
+    of_files = {"two_rod": "8 ms", "four": "30 ms"} if multi_data else {}
+    found = []
+    for kind, to in (("arms", ""), ("arms_to_poses", ", to poses")):
+        for name, goal in of_files.items():
+            file = str(Path(multi_data or "", f"panda_{name}.json"))
+            found.append(Case(5, name + to, kind, (file, None, multi_data), "–" if to else goal))
+        for name, count, goal in GENERATED_TO_POSES if to else GENERATED:
+            found.append(Case(5, f"{name} of {count}{to}", kind, (name, count, None), goal))
+    return found
 
 
 def has_wheel() -> bool:
@@ -151,6 +144,7 @@ GENERATED = (
     ("grid", 128, "1 s"),
     ("ring", 16, "1 s"),
 )
+GENERATED_TO_POSES = (("binpick", 4, "–"), ("shelves", 3, "–"), ("grid", 16, "–"))
 
 
 # --- measurements, in a process with one build ------------------------------------------------------------------------
