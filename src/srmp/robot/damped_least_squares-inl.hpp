@@ -121,8 +121,7 @@ Vector alignment(const Frame& f, int axis) {
   const Lanes square = turn.x * turn.x + turn.y * turn.y + turn.z * turn.z;
   const LaneNumbers opposite = (cosine < 0.0) & (square < 1e-20);
   const Lanes half = square_root(most((1.0 + cosine) * 0.5, all(1e-24))), scale = 2.0 / (half * (1.0 + half));
-  const double half_turn =
-      4.0 * std::numbers::sqrt2 / 2.0;  // about an axis between the two others, if nothing says which
+  constexpr double half_turn = 2.0 * std::numbers::sqrt2;  // about an axis between the two others
   return {opposite ? all(axis == 0 ? 0.0 : half_turn) : turn.x * scale,
           opposite ? all(axis == 1 ? 0.0 : half_turn) : turn.y * scale,
           opposite ? all(axis == 2 ? 0.0 : half_turn) : turn.z * scale};
@@ -266,11 +265,10 @@ class SeedLanes {
         for (int j = 0; j <= i; ++j) a[i][j] += jacobian_[c][i] * jacobian_[c][j];
     Lanes inverse[rows], y[rows];  // of D
     for (int j = 0; j < rows; ++j) {
-      Lanes scaled[rows];  // row j of L D
       for (int k = 0; k < j; ++k) {
-        scaled[k] = a[j][k];
-        a[j][k] = a[j][k] * inverse[k];
-        a[j][j] -= scaled[k] * a[j][k];
+        const Lanes of_l_d = a[j][k];
+        a[j][k] *= inverse[k];
+        a[j][j] -= of_l_d * a[j][k];
       }
       inverse[j] = 1.0 / a[j][j];
       for (int i = j + 1; i < rows; ++i)

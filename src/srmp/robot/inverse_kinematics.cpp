@@ -10,6 +10,7 @@
 #include "srmp/core/error.hpp"
 #include "srmp/core/low_discrepancy.hpp"
 #include "srmp/robot/damped_least_squares.hpp"
+#include "srmp/robot/distinct_configurations.hpp"
 
 namespace srmp {
 
@@ -179,17 +180,6 @@ class Solver {
   DampedLeastSquares problem_{};
 };
 
-/// Does no joint differ by `distance` [rad or m] or more?
-bool are_close(const RobotModel& robot, const Eigen::VectorXd& a, const Eigen::VectorXd& b, double distance) {
-  for (Eigen::Index i = 0; i < a.size(); ++i) {
-    double change = b[i] - a[i];
-    if (robot.joints()[static_cast<std::size_t>(i)].kind == JointKind::continuous)
-      change = std::remainder(change, 2 * std::numbers::pi);
-    if (!(std::abs(change) < distance)) return false;
-  }
-  return true;
-}
-
 void require_options(const IkOptions& o) {
   const auto require_count = [](int value, const char* name) {
     if (value <= 0) throw InvalidArgument(std::string(name) + " is " + std::to_string(value) + "; it must be above 0");
@@ -230,12 +220,8 @@ std::vector<Eigen::VectorXd> inverse_kinematics(const RobotModel& robot, const P
   robot.require_configuration(reference, "reference");
   require_finite(target.to_list(), "target");
   Solver solver(robot, target, options, link);
-  std::vector<Eigen::VectorXd> solutions;
+  DistinctConfigurations solutions(robot, options.distinct);
   const auto count = static_cast<std::size_t>(options.seeds), enough = static_cast<std::size_t>(options.max_solutions);
-  const auto is_new = [&](const Eigen::VectorXd& q) {
-    return std::none_of(solutions.begin(), solutions.end(),
-                        [&](const Eigen::VectorXd& other) { return are_close(robot, other, q, options.distinct); });
-  };
   const Eigen::VectorXd first = solver.seed(0, reference);
   for (std::size_t i = 0; i < count && solutions.size() < enough && !deadline.stop_requested();) {
     std::vector<Eigen::VectorXd> seeds;
@@ -244,13 +230,10 @@ std::vector<Eigen::VectorXd> inverse_kinematics(const RobotModel& robot, const P
     for (std::optional<Eigen::VectorXd>& q : solver.solve(seeds)) {
       if (!q || solutions.size() == enough) continue;
       solver.bring_near(first, *q);
-      if (is_new(*q) && solver.arrives(*q)) solutions.push_back(*std::move(q));
+      if (!solutions.has_one_close_to(*q) && solver.arrives(*q)) solutions.add(*std::move(q));
     }
   }
-  const auto distance = [&](const Eigen::VectorXd& q) { return robot.difference(reference, q).norm(); };
-  std::stable_sort(solutions.begin(), solutions.end(),
-                   [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return distance(a) < distance(b); });
-  return solutions;
+  return solutions.take_nearest_first(reference);
 }
 
 std::vector<std::optional<Eigen::VectorXd>> inverse_kinematics_from(const RobotModel& robot, const Pose& target,

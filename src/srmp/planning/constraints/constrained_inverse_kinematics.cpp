@@ -5,6 +5,7 @@
 
 #include "srmp/core/low_discrepancy.hpp"
 #include "srmp/planning/motion_checks.hpp"
+#include "srmp/robot/distinct_configurations.hpp"
 
 namespace srmp {
 
@@ -48,20 +49,14 @@ std::vector<Eigen::VectorXd> constrained_inverse_kinematics(const PlacedRobot& p
   const IkOptions& options = targets.front().options;
   const PlacedConstraints all = with_targets(placed, constraints, targets);
   ConstraintChecker checker(all);
-  std::vector<Eigen::VectorXd> found;
-  for (int i = 0; i < options.seeds && std::ssize(found) < options.max_solutions; ++i) {
+  DistinctConfigurations found(robot, options.distinct);
+  for (int i = 0; i < options.seeds && found.size() < static_cast<std::size_t>(options.max_solutions); ++i) {
     if (deadline.stop_requested()) break;
     Eigen::VectorXd q = seed(robot, reference, i);
     if (!checker.project(q, constraint_fractions.configurations)) continue;
-    const bool is_new = std::none_of(found.begin(), found.end(), [&](const Eigen::VectorXd& other) {
-      return robot.difference(other, q).cwiseAbs().maxCoeff() < options.distinct;
-    });
-    if (is_new) found.push_back(std::move(q));
+    if (!found.has_one_close_to(q)) found.add(std::move(q));
   }
-  std::stable_sort(found.begin(), found.end(), [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-    return robot.difference(reference, a).norm() < robot.difference(reference, b).norm();
-  });
-  return found;
+  return found.take_nearest_first(reference);
 }
 
 }  // namespace srmp

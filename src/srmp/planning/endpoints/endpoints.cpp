@@ -85,8 +85,8 @@ bool may_be_approached(RobotContext& context, const Eigen::VectorXd& q) {
   return !context.task.constraints && is_only_close(context, q);
 }
 
-/// Adds a configuration that meets a goal as a target, or where the way to it begins if it does not keep the clearance,
-/// as long as there are `searches` left for such ways; false: it is invalid.
+/// Adds a configuration that satisfies a goal as a target; if it does not keep the clearance, where the approach to it
+/// begins, as long as `searches` for approaches are left. False: it is invalid.
 bool add_target(RobotContext& context, RobotEndpoints& endpoints, Eigen::VectorXd q, int goal_index, int& searches) {
   if (!context.checks.violation(q).empty()) return false;
   std::vector<Eigen::VectorXd> approach;
