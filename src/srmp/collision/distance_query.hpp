@@ -56,8 +56,8 @@ struct PrimitiveQuery {
   /// Calls of stays_separated: two bodies that pass each other have few primitives that are near, and where many are,
   /// parts of the motion are quicker.
   static constexpr int max_separations = 64;
-  static constexpr std::size_t max_candidates = 32;
-  static constexpr int max_boxes = 1024;  ///< pairs of boxes that are visited for candidates
+  static constexpr std::size_t max_candidates = 64;
+  static constexpr int max_boxes = 16384;  ///< pairs of boxes that are visited for candidates
 
   double margin{};                         ///< a distance that exceeds it is infinity
   double enough{};                         ///< may return the distance of any two primitives that is at most this

@@ -16,8 +16,6 @@ namespace {
 /// Distances of meshes below this fraction of an interval's motion are not refined: the interval is subdivided anyway.
 constexpr double rough_distance = 0.3;
 
-/// Where a part has too many candidates, its own parts look for them from this fraction of the margin on.
-constexpr double retry_candidates = 0.125;
 constexpr std::size_t max_stored_candidates = 1 << 20;  // of one motion: further parts have those of the whole
 
 /// An interval is subdivided into so many parts that the pair's distance could prove each, but no more than this.
@@ -319,13 +317,11 @@ double SceneWorkspace::distance_left(const Interval& interval, PrimitiveQuery qu
 /// again and again.
 double SceneWorkspace::distance_of_part(const Interval& part, const PrimitiveQuery& query, Candidates& left) {
   const Candidates& known = part.candidates;
-  if (known.count == 0 && query.margin > known.max_margin) return distance_left(part, query);
   PrimitiveQuery collecting = query;
   collecting.among = std::span(candidates_).subspan(known.first, known.count);
   collecting.candidates = &new_candidates_;
   const double found = distance_left(part, collecting);
   const std::size_t count = new_candidates_.size();
-  if (count == 0) left.max_margin = retry_candidates * query.margin;  // there are too many
   if (count == 0 || candidates_.size() > max_stored_candidates) return found;
   if (known.count > 0 && 2 * count > known.count) return found;  // those of the whole will do
   left.first = static_cast<std::uint32_t>(candidates_.size());

@@ -84,7 +84,6 @@ class SceneWorkspace final : public Checker::Workspace {
   /// Primitives of a pair, in candidates_, that alone may come into contact in a part of the motion; none: all may.
   struct Candidates {
     std::uint32_t first{}, count{};
-    double max_margin{infinity};  // of a query for them
   };
   /// A part of the motion around t, over which a pair is still to be checked.
   struct Interval {

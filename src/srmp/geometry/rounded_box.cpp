@@ -14,15 +14,6 @@ constexpr float everywhere = 1e18f;
 
 Eigen::Vector4f rounded(const Eigen::Vector3d& v) { return {float(v.x()), float(v.y()), float(v.z()), 0.0f}; }
 
-/// The sum of the vectors, each times a component.
-Eigen::Vector4f linear_combination(const std::array<Eigen::Vector4f, 3>& vectors, const Eigen::Vector4f& factors) {
-  return vectors[0] * factors[0] + vectors[1] * factors[1] + vectors[2] * factors[2];
-}
-
-float squared_length_outside(const Eigen::Vector4f& offset, const Eigen::Vector4f& extents, float rounding) {
-  return (offset.cwiseAbs() - extents - Eigen::Vector4f::Constant(rounding)).cwiseMax(0.0f).squaredNorm();
-}
-
 }  // namespace
 
 /// Rounding moves a corner by 1.4 epsilon times the sum of the lengths at most.
@@ -61,31 +52,6 @@ BoxDistanceBounds::BoxDistanceBounds(const Eigen::Isometry3d& b_to_a, float reac
   if (b_to_a.translation().lpNorm<1>() < farthest) return;
   offset_.setZero();
   rounding_ = everywhere;
-}
-
-RoundedBox BoxDistanceBounds::in_a(const RoundedBox& b) const {
-  RoundedBox box;
-  for (std::size_t i = 0; i < 3; ++i) box.rows[i] = linear_combination(b.rows, rows_[i]);
-  box.center = linear_combination(columns_, b.center) + offset_;
-  box.half_extents = b.half_extents;
-  return box;
-}
-
-float BoxDistanceBounds::squared_bound(const RoundedBox& a, const RoundedBox& b, float enough) const {
-  const Eigen::Vector4f offset = b.center - a.center;
-  // Column i: the edges of b along edge i of a. No products of matrices: they use fused multiply-adds where there are.
-  Eigen::Matrix4f cosines = Eigen::Matrix4f::Zero();
-  for (int i = 0; i < 3; ++i)
-    cosines.col(i) = (b.rows[0] * a.rows[0][i] + b.rows[1] * a.rows[1][i] + b.rows[2] * a.rows[2][i]).cwiseAbs();
-  const auto along = [&](const Eigen::Vector4f& half_extents) -> Eigen::Vector4f {
-    return cosines.col(0) * half_extents[0] + cosines.col(1) * half_extents[1] + cosines.col(2) * half_extents[2];
-  };
-  const float along_b =
-      squared_length_outside(linear_combination(b.rows, offset), b.half_extents + along(a.half_extents), rounding_);
-  if (along_b > enough) return along_b;
-  cosines.transposeInPlace();
-  return std::max(along_b, squared_length_outside(linear_combination(a.rows, offset),
-                                                  a.half_extents + along(b.half_extents), rounding_));
 }
 
 }  // namespace srmp
