@@ -70,6 +70,33 @@ BOOST_AUTO_TEST_CASE(the_first_samples_are_near_the_straight_motions_and_within_
   BOOST_TEST(far > 200);
 }
 
+BOOST_AUTO_TEST_CASE(samples_are_where_short_paths_pass) {
+  const auto robot = robots::planar();
+  const Vector2d from(0.1, -2.9), goals[] = {{0.3, -2.5}, {-2.0, 2.5}};
+  const double longest = 7.0;
+  const search::RrtSpace space =
+      rrt_space(*robot, from, {goals[0], goals[1]}, {.max_length = longest, .informed_draws = 1'000'000});
+  search::RandomSequence random(1);
+  int only_first = 0, only_second = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const VectorXd q = space.sample(random);
+    const bool to_first = (q - from).norm() + (goals[0] - q).norm() <= longest,
+               to_second = (q - from).norm() + (goals[1] - q).norm() <= longest;
+    BOOST_TEST((to_first || to_second));
+    only_first += to_first && !to_second;
+    only_second += to_second && !to_first;
+  }
+  BOOST_TEST(only_first > 50);
+  BOOST_TEST(only_second > 50);
+}
+
+BOOST_AUTO_TEST_CASE(samples_end_where_no_path_is_short) {
+  const auto robot = robots::planar();
+  const search::RrtSpace space = rrt_space(*robot, Vector2d(0.1, -2.9), {Vector2d(0.3, -2.5)}, {.max_length = 0.0});
+  search::RandomSequence random(1);
+  BOOST_TEST(!robot->limit_violation(space.sample(random)).has_value());
+}
+
 BOOST_AUTO_TEST_CASE(direct_samples_of_a_joint_without_limits_are_on_the_short_way_round) {
   const auto robot = robots::planar("continuous");
   const search::RrtSpace space = rrt_space(*robot, start, {goal}, {.direct_samples = 100, .direct_distance = 0.0});

@@ -45,7 +45,7 @@ class Anytime {
                           most = std::min(options_.checks_of_a_tree, checks - spent);
       Attempt found = grow_tree(most);
       const bool is_path = found.status == Status::solved;
-      if (is_path && !best_.take(std::move(found.found), until_)) return false;
+      if (is_path && !best_.take_if_promising(std::move(found.found), until_, options_.promising_length)) return false;
       spent += std::max(context_.checks.motions() - before,
                         is_path ? options_.least_of_a_tree : most);  // attempts may check nothing
     }
@@ -57,7 +57,11 @@ class Anytime {
     std::uint64_t& memory = context_.statistics.memory_bytes;
     const std::uint64_t before = memory;
     Attempt found = RrtConnectStrategy(context_, endpoints_, direct_,
-                                       {.alone = false, .fraction = 0.0, .first_checks = checks, .seed = ++seed_})
+                                       {.alone = false,
+                                        .fraction = 0.0,
+                                        .first_checks = checks,
+                                        .seed = ++seed_,
+                                        .max_length = options_.sampled_length * best_cost()})
                         .attempt({}, until_);
     memory = std::max(before, memory - before);  // the trees before are gone
     return found;

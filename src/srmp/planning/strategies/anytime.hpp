@@ -16,17 +16,22 @@ struct AnytimeOptions {
   std::uint64_t max_expansions{std::uint64_t{1} << 40};  ///< and of tree checks
   double refinement{0.87};                ///< lattice steps of a round, as a multiple of those of the round before
   double min_scale{0.01};                 ///< lattices are refined down to this multiple of those of the first path
-  std::uint64_t first_tree_checks{4096};  ///< motions checked for trees and to shorten their paths, in the first round
+  std::uint64_t first_tree_checks{8192};  ///< motions checked for trees and to shorten their paths, in the first round
   std::uint64_t tree_growth{2};           ///< of that number, from one round to the next
   std::uint64_t checks_of_a_tree{512};    ///< > 0; then other samples are tried
   std::uint64_t least_of_a_tree{128};     ///< counted for one that finds a path, and its shortening
+  /// Samples of trees are where a path may pass that is no longer than this multiple of the best one: what trees find
+  /// is shortened yet.
+  double sampled_length{1.3};
+  double promising_length{1.15};  ///< as a multiple of the best path's: longer ones are not shortened carefully
 };
 
 /// Shorter and shorter paths than the first one, for as many rounds or as long as asked. A round begins with trees of
-/// other samples: their shortened paths often pass obstacles on another side. Then it searches lattices, only where a
-/// path could be shorter than the best by a good part of what it is longer than the straight line (Gammell,
-/// Srinivasa, Barfoot 2014, "Informed RRT*"); a lattice exhausted there proves that its optimum is longer. When a round
-/// finds nothing, the next ones have more expansions, in finer lattices.
+/// other samples, from where a path not much longer than the best one may pass (Gammell, Srinivasa, Barfoot 2014,
+/// "Informed RRT*"): when shortened, their paths often pass obstacles on another side. Then it searches lattices, only
+/// where a path could be shorter than the best by a good part of what it is longer than the straight line; a lattice
+/// exhausted there proves that its optimum is longer. When a round finds nothing, the next ones have more expansions,
+/// in finer lattices.
 ///
 /// `direct`: joint-space distance from the start to the nearest goal.
 void improve_path(RobotContext& context, const SearchEndpoints& endpoints, RobotLattices& lattices, BestPath& best,

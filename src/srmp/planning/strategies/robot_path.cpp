@@ -15,10 +15,6 @@ namespace srmp {
 
 namespace {
 
-/// A first path is needed soon: a tenth of the checks save most of what can be saved.
-const ShortcutOptions quick_shortcut{
-    .min_gain = 1e-2, .max_rounds = 2, .halvings = 3, .pull_gain = 2e-2, .cut_gain = 1.0, .continuous = {}};
-
 /// Inverse kinematics finds many targets. Paths to the nearest ones are shorter, and often found earlier.
 struct NearestOptions {
   std::size_t targets{2};

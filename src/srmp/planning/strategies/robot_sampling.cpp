@@ -55,6 +55,13 @@ class Samples {
   }
 
   Eigen::VectorXd operator()(search::RandomSequence& random) {
+    Eigen::VectorXd q = draw(random);
+    for (int draws = 1; !is_on_short_path(q) && draws < options_.informed_draws; ++draws) q = draw(random);
+    return q;
+  }
+
+ private:
+  Eigen::VectorXd draw(search::RandomSequence& random) {
     const Eigen::VectorXd q = (random.next() < options_.far_fraction ? far_ : near_).sample(random);
     if (taken_ == options_.direct_samples || motions_.empty()) return q;
     ++taken_;
@@ -63,7 +70,15 @@ class Samples {
     return between + options_.direct_distance * (q - between);
   }
 
- private:
+  /// Is there a goal to which a path through q may be no longer than max_length?
+  bool is_on_short_path(const Eigen::VectorXd& q) const {
+    if (options_.max_length == search::infinity || motions_.empty()) return true;
+    const Eigen::VectorXd from_start = q - start_;
+    return std::ranges::any_of(motions_, [&](const Eigen::VectorXd& motion) {
+      return from_start.norm() + (motion - from_start).norm() <= options_.max_length;
+    });
+  }
+
   Region near_, far_;
   RobotSamplingOptions options_;
   Eigen::VectorXd start_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "srmp/robot/robot_model.hpp"
@@ -20,6 +21,10 @@ struct RobotSamplingOptions {
   /// from it (a fraction): the path is shorter, and found with fewer samples. More of them delay detours.
   std::size_t direct_samples{0};
   double direct_distance{0.35};
+  /// A path through a sample may be no longer than this (Gammell, Srinivasa, Barfoot 2014, "Informed RRT*"); after
+  /// `informed_draws` the last one drawn is taken as it is.
+  double max_length{std::numeric_limits<double>::infinity()};
+  int informed_draws{64};
 };
 
 /// A robot's joints, for two trees to grow in from `start` and `goals`. Samples are within the joint limits.

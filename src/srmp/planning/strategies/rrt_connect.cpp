@@ -11,7 +11,9 @@ namespace srmp {
 namespace {
 
 /// In narrow places fewer checks find shorter paths with long steps and direct samples.
-const RobotSamplingOptions sampling{.max_step = 0.8, .direct_samples = 60};
+RobotSamplingOptions sampling(double max_length) {
+  return {.max_step = 0.8, .direct_samples = 60, .max_length = max_length};
+}
 
 }  // namespace
 
@@ -70,7 +72,8 @@ search::Statistics RrtConnectStrategy::work() const {
 }
 
 search::RrtSpace RrtConnectStrategy::space() const {
-  search::RrtSpace space = rrt_space(context_.robot, endpoints_.start, endpoints_.targets, sampling);
+  search::RrtSpace space =
+      rrt_space(context_.robot, endpoints_.start, endpoints_.targets, sampling(budget_.max_length));
   space.is_motion_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     return context_.checks.is_motion_free(a, b);
   };

@@ -21,6 +21,7 @@ struct RrtConnectBudget {
   std::uint64_t first_checks{128};       ///< motions
   std::uint64_t attempts_per_check{16};  ///< attempts between two checks of the budget
   std::uint64_t seed{};                  ///< other samples, and most often another path
+  double max_length{search::infinity};   ///< RobotSamplingOptions::max_length
 };
 
 /// Two trees that grow towards each other through one robot's joint space (Kuffner, LaValle 2000), by samples that are
