@@ -42,7 +42,64 @@ void check_groups(const Scene& scene, const std::vector<std::string>& robots, un
   BOOST_TEST(std::ranges::all_of(times, [](int n) { return n == 1; }));
 }
 
+Eigen::Vector3d unit_vector(Dice& dice) {
+  return Eigen::Vector3d(dice.in(-1, 1), dice.in(-1, 1), dice.in(-1, 1)).normalized();
+}
+
+/// No point of a body moves by more than its envelope says, in any direction, and distances are those of the body.
+void check_bounds_in_envelopes(const Scene& scene, const std::vector<std::string>& robots, unsigned seed) {
+  const detail::RobotGroup group(scene, robots);
+  const detail::SceneModel model(scene, group, {.mode = CheckMode::coal});
+  detail::SceneWorkspace here(model), there(model);
+  const auto dof = group.joints().size();
+  here.start_any_motion((std::uint64_t{1} << group.actuated_joints().size()) - 1);
+  Dice dice(seed);
+  for (int i = 0; i < 20; ++i) {
+    std::vector<double> change, linear, rest;
+    Eigen::VectorXd q(static_cast<Eigen::Index>(dof));
+    for (double& value : q) value = dice.in(-2, 2);
+    const double size = dice.in(0.0, 0.3);
+    for (std::size_t j = 0; j < dof; ++j) {
+      linear.push_back(dice.in(-size, size));
+      rest.push_back(dice.in(0, 0.1 * size));
+      change.push_back(std::abs(linear.back()) + rest.back());
+    }
+    here.place_in_range(q, change, linear, rest);
+    for (const detail::Pair& pair : model.bodies.pairs)
+      BOOST_TEST(std::abs(here.distance_bound_in_envelopes(pair, nullptr) - here.distance_bound(pair)) < 1e-9);
+    for (int sample = 0; sample < 20; ++sample) {
+      const double along = sample % 2 ? 1.0 : dice.in(-1, 1);
+      Eigen::VectorXd to = q;
+      for (std::size_t j = 0; j < dof; ++j)
+        to[static_cast<Eigen::Index>(j)] += along * linear[j] + dice.in(-1, 1) * rest[j];
+      there.place(to);
+      for (std::size_t body = 0; body < model.bodies.moving.size(); ++body) {
+        const detail::MovingBody& moving = model.bodies.moving[body];
+        const Eigen::Vector3d point = moving.bounds.center + moving.bounds.radius * unit_vector(dice),
+                              direction = unit_vector(dice);
+        const Eigen::Vector3d moved = there.placed(false, body).pose * point - here.placed(false, body).pose * point;
+        BOOST_TEST(moved.norm() <= here.displacement_in_envelope(body, moving.support) + 1e-9);
+        BOOST_TEST(std::abs(moved.dot(direction)) <=
+                   here.displacement_in_envelope(body, moving.support, &direction) + 1e-9);
+      }
+    }
+  }
+}
+
 }  // namespace
+
+BOOST_AUTO_TEST_CASE(bodies_move_no_farther_than_their_envelopes_say) {
+  Scene scene;
+  scene.add_robot(spheres());
+  scene.add_object("box", Box{{0.1, 0.2, 0.3}}, at(1, 1, 0));
+  check_bounds_in_envelopes(scene, {"planar"}, 1);
+  for (unsigned world = 0; world < 3; ++world)
+    check_bounds_in_envelopes(crowd(arm7(), world, 2, "arm7_hand"), {"arm7"}, world);
+  Scene two;
+  two.add_robot(arm7("left"), at(0, 0.35, 0));
+  two.add_robot(slide(), at(0, -0.35, 0, 0, 0, 1.0));
+  check_bounds_in_envelopes(two, {"left", "slide"}, 5);
+}
 
 BOOST_AUTO_TEST_CASE(envelopes_of_a_group_of_pairs_are_around_all_of_its_bodies) {
   Scene scene;

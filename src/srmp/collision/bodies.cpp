@@ -171,6 +171,7 @@ void Bodies::add_envelopes() {
   std::map<std::uint64_t, std::vector<std::uint32_t>> by_support;  // each is of one robot
   for (std::uint32_t i = 0; i < moving.size(); ++i) by_support[moving[i].support].push_back(i);
   envelope_of.resize(moving.size());
+  in_envelope.assign(moving.size(), Eigen::Vector3d::Zero());
   for (const auto& [support, bodies] : by_support) {
     const auto number = static_cast<std::uint32_t>(moving.size() + envelopes.size());
     for (const std::uint32_t i : bodies) envelope_of[i] = bodies.size() > 1 ? number : i;
@@ -178,7 +179,7 @@ void Bodies::add_envelopes() {
   }
 }
 
-MovingBody Bodies::envelope_around(std::span<const std::uint32_t> bodies) const {
+MovingBody Bodies::envelope_around(std::span<const std::uint32_t> bodies) {
   const MovingBody& first = moving[bodies.front()];
   const Eigen::Isometry3d to_first = pose_of(first, group_, data_).inverse();
   std::vector<Eigen::Vector3d> centers;
@@ -196,7 +197,9 @@ MovingBody Bodies::envelope_around(std::span<const std::uint32_t> bodies) const 
   envelope.in_link = first.in_link;
   envelope.bounds.center = box.center();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const double reach = (centers[i] - envelope.bounds.center).norm() + moving[bodies[i]].bounds.radius;
+    const Eigen::Vector3d from_center = centers[i] - envelope.bounds.center;
+    in_envelope[bodies[i]] = from_center;
+    const double reach = from_center.norm() + moving[bodies[i]].bounds.radius;
     envelope.bounds.radius = std::max(envelope.bounds.radius, reach);
   }
   envelope.core = {Eigen::Vector3d::Zero(), envelope.bounds.radius};

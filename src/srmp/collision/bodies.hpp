@@ -84,6 +84,8 @@ struct Bodies {
   /// geometry, and are numbered after those of `moving`.
   std::vector<MovingBody> envelopes;
   std::vector<std::uint32_t> envelope_of;  // by moving body; itself where it is alone
+  /// By moving body: the centre of its bounding sphere, from that of its envelope's, in the frame of that one's pose.
+  std::vector<Eigen::Vector3d> in_envelope;
   std::vector<Pair> pairs;
   std::vector<Pair> apart;                  // pairs whose tables prove that they never collide; not in `pairs`
   std::vector<std::int32_t> fixed_pair;     // [moving * fixed.size() + fixed] → pair, or -1
@@ -110,7 +112,7 @@ struct Bodies {
   Eigen::Isometry3d in_base(const Pose& pose) const;
   void build_tree();
   void add_envelopes();
-  MovingBody envelope_around(std::span<const std::uint32_t> bodies) const;
+  MovingBody envelope_around(std::span<const std::uint32_t> bodies);
   void add_pairs(const Scene& scene);
   Pair pair_of(const PairSide& a, std::size_t ia, const PairSide& b, bool b_fixed, std::size_t ib);
   void add(const Pair& pair);

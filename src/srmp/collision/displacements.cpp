@@ -46,14 +46,21 @@ void Displacements::limit(std::span<const double> change, std::span<const double
 void Displacements::place(const RobotGroup::Data& data) {
   const std::size_t moving = model_.bodies.moving.size() + model_.bodies.envelopes.size();
   for (std::size_t k : active_list_) axes_[k] = model_.group.actuated_joint_axis(data, k);
-  chains_.assign(moving, Chain{});
+  ++placements_;
+  chains_.resize(moving);
   arms_.resize(moving * joints_);  // not before: most motions are decided by spheres alone
   steps_.resize(moving * (joints_ + 1));
 }
 
+Displacements::Chain& Displacements::chain(std::size_t body) {
+  Chain& chain = chains_[body];
+  if (chain.placement != placements_) chain = {.placement = placements_};
+  return chain;
+}
+
 const Displacements::Arm& Displacements::arm(std::size_t body, const Place& place, std::size_t joint) {
   Arm& arm = arms_[body * joints_ + joint];
-  std::uint64_t& known = chains_[body].arms;
+  std::uint64_t& known = chain(body).arms;
   if (known >> joint & 1) return arm;
   known |= std::uint64_t{1} << joint;
   const auto& [point, axis] = axes_[joint];
@@ -90,7 +97,7 @@ void Displacements::add_joint(std::size_t joint, const Arm* arm, double half_wid
 /// What the joints of `support` add up to, which move: the deepest ones of the body's chain, for every pair's.
 const Displacements::Step& Displacements::sum(std::size_t body, const Place& place, std::uint64_t support,
                                               double half_width) {
-  Chain& chain = chains_[body];
+  Chain& chain = this->chain(body);
   Step* steps = steps_.data() + body * (joints_ + 1);
   const auto begin = [&](double width) {
     chain.half_width = width;
@@ -138,6 +145,17 @@ double Displacements::of(std::size_t body, const Place& place, std::uint64_t sup
                        : std::max((last.velocity + at_end).norm(), (last.velocity - at_end).norm()) +
                              core.radius * last.turn.norm();
   }
+  return last.sweep.bound(linear + last.rest);
+}
+
+double Displacements::of_sphere(std::size_t body, const Place& place, std::uint64_t support,
+                                const Eigen::Vector3d& offset, double radius, const Eigen::Vector3d* direction) {
+  support &= active_;
+  if (support == 0) return 0.0;
+  const Step& last = sum(body, place, support, 1.0);
+  const Eigen::Vector3d velocity = last.velocity + last.turn.cross(offset);
+  const double linear = direction ? std::abs(velocity.dot(*direction)) + radius * last.turn.cross(*direction).norm()
+                                  : velocity.norm() + radius * last.turn.norm();
   return last.sweep.bound(linear + last.rest);
 }
 

@@ -32,9 +32,10 @@ constexpr double finest_motion = Checker::motion_floor / 4.0;  // [m]; shorter i
 constexpr int max_levels = 3;                                  // of halving at once
 /// A group that moves by less than this multiple of the room between its envelopes is halved; others are taken apart.
 constexpr double longest_group_motion = 3.0;
-constexpr int max_samples = 200'000;  // configurations: the proof of an endless motion ends too
-constexpr int max_sharpening = 256;   // checks of each pass that raises the proved clearance
-constexpr double largest = 1e100;     // [rad or m] beyond it, squares overflow
+constexpr int max_samples = 200'000;     // configurations: the proof of an endless motion ends too
+constexpr int max_sharpening = 256;      // checks of each pass that raises the proved clearance
+constexpr unsigned visits_per_look = 8;  // of intervals, between two looks at the clock
+constexpr double largest = 1e100;        // [rad or m] beyond it, squares overflow
 
 /// Branch and bound over the time of one motion: first until the motion is proved free, by the clearance that is to be
 /// known where that takes few more checks; then, where least is proved, until it is known well enough.
@@ -50,6 +51,7 @@ class Prover {
         deadline_(options.deadline),
         range_(motion.positions.cols()) {
     displacements_.resize(model.bodies.moving.size() + model.bodies.envelopes.size());
+    in_envelopes_.resize(model.bodies.moving.size());
     open_.reserve(4 * groups_.size());
   }
 
@@ -81,11 +83,12 @@ class Prover {
 
   /// How far the actuated joints of `support` can move a body.
   struct Displacement {
+    int sample{};
     std::uint64_t support{};
     double motion{};
   };
 
-  bool stopped() const { return deadline_ && deadline_->stop_requested(); }
+  bool stopped() { return late_ = late_ || (deadline_ && deadline_->stop_requested()); }
   /// Looks at the clock after 64 checks of solids, or 8 of meshes: that takes longer than a check by bounds.
   bool seldom_stopped(const Pair& pair) {
     checks_ += pair.solid ? 1 : 8;
@@ -99,6 +102,7 @@ class Prover {
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
   bool prove_halves(const Interval& interval, std::size_t first, std::size_t count);
   bool prove_group(const Open& open, const Interval& interval);
+  bool prove_member(std::uint32_t pair, const Interval& interval);
   bool prove_pair(Open open, const Interval& interval);
   void close(const Open& open, const Interval& interval, bool measured);
   bool sharpen();
@@ -112,6 +116,7 @@ class Prover {
   }
   double approach(const Pair& pair);
   double displacement(std::uint32_t body, std::uint64_t support);
+  double displacement_in_envelope(std::uint32_t body, std::uint64_t support);
   Separation& separation_of(const Pair& pair) {
     if (separations_.empty()) separations_.resize(model_.bodies.pairs.size());
     return separations_[static_cast<std::size_t>(&pair - model_.bodies.pairs.data())];
@@ -138,11 +143,14 @@ class Prover {
   double nearest_time_{};
   Eigen::VectorXd nearest_configuration_;
   double proved_{infinity};
-  int samples_{};
+  int samples_{};      // the number of the current one
+  bool late_{};        // was the deadline seen to have passed?
+  unsigned visits_{};  // of intervals
   unsigned checks_{};  // that bounds did not decide, since the last look at the clock
   int raising_{};      // of pairs that were proved free, but less than the goal
   CubicSegments::Range range_;
-  std::vector<Displacement> displacements_;  // by moving body and envelope, in the current interval
+  std::vector<Displacement> displacements_;  // by moving body and envelope, in an interval
+  std::vector<Displacement> in_envelopes_;   // the same of moving bodies, from those of their envelopes
   std::vector<Separation> separations_;      // by pair; empty until one is needed
   std::vector<Open> open_;                   // a stack: those of the current interval on top
   std::vector<Proved> to_sharpen_;           // a heap: less than the goal is proved of these
@@ -225,7 +233,15 @@ double Prover::approach(const Pair& pair) {
 /// How far the joints of `support` can move the body: often the same as for the pair before.
 double Prover::displacement(std::uint32_t body, std::uint64_t support) {
   Displacement& known = displacements_[body];
-  if (known.support != support) known = {support, workspace_.displacement(body, support)};
+  if (known.sample != samples_ || known.support != support)
+    known = {samples_, support, workspace_.displacement(body, support)};
+  return known.motion;
+}
+
+double Prover::displacement_in_envelope(std::uint32_t body, std::uint64_t support) {
+  Displacement& known = in_envelopes_[body];
+  if (known.sample != samples_ || known.support != support)
+    known = {samples_, support, workspace_.displacement_in_envelope(body, support)};
   return known.motion;
 }
 
@@ -233,7 +249,6 @@ void Prover::place_at(const Interval& interval) {
   ++samples_;
   segments_.range(interval, range_);
   workspace_.place_in_range(range_.middle, range_.change, range_.linear, range_.rest);
-  std::fill(displacements_.begin(), displacements_.end(), Displacement{});
 }
 
 /// A clearance that the pair keeps over the interval around the current configuration: bounding volumes are `bound`
@@ -336,7 +351,25 @@ bool Prover::prove_group(const Open& open, const Interval& interval) {
     return true;
   }
   return std::ranges::all_of(groups_.members_of(open.pair),
-                             [&](std::uint32_t member) { return prove_pair({.pair = member, .levels = 0}, interval); });
+                             [&](std::uint32_t member) { return prove_member(member, interval); });
+}
+
+/// As prove_pair, of a pair of a group: most of them are far enough apart by the quick bounds.
+bool Prover::prove_member(std::uint32_t member, const Interval& interval) {
+  const Pair& pair = model_.bodies.pairs[member];
+  Eigen::Vector3d direction;
+  const double apart = workspace_.distance_bound_in_envelopes(pair, &direction) - pair.padding - NarrowPhase::tolerance;
+  double left = apart - displacement_in_envelope(pair.a, pair.support_a);
+  if (!pair.b_fixed) left -= displacement_in_envelope(pair.b, pair.support_b);
+  if (left <= goal() && apart > goal()) {
+    left = apart - workspace_.displacement_in_envelope(pair.a, pair.support_a, &direction);
+    if (!pair.b_fixed) left -= workspace_.displacement_in_envelope(pair.b, pair.support_b, &direction);
+  }
+  if (left > goal()) {
+    note_proved({left, interval, member, false});
+    return true;
+  }
+  return prove_pair({.pair = member, .levels = 0}, interval);
 }
 
 /// Proves the pair over the interval around the current configuration, or leaves it open; false at a contact. While
@@ -362,7 +395,8 @@ bool Prover::prove_pair(Open open, const Interval& interval) {
 /// Proves the pairs open_[first, first + count) over the interval; false at a contact.
 bool Prover::prove(const Interval& interval, std::size_t first, std::size_t count) {
   rare_interruption_point();
-  if (samples_ >= max_samples || stopped()) {
+  const bool looks_at_clock = visits_++ % visits_per_look == 0;
+  if (samples_ >= max_samples || (looks_at_clock ? stopped() : late_)) {
     for (std::size_t i = first; i < first + count; ++i) close(open_[i], interval, false);
     return true;
   }

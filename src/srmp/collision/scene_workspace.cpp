@@ -63,6 +63,7 @@ SceneWorkspace::SceneWorkspace(const SceneModel& model)
   open_.reserve(1024);
   next_.reserve(1024);
   places_.resize(bodies_.moving.size() + bodies_.envelopes.size());
+  carried_.resize(bodies_.moving.size());
   const auto dof = static_cast<Eigen::Index>(model_.group.joints().size());
   start_ = delta_ = q_ = here_ = Eigen::VectorXd::Zero(dof);
 }
@@ -71,17 +72,27 @@ void SceneWorkspace::place(ConstVector q) {
   ++statistics.configurations;
   here_ = q;
   model_.group.forward(data_, q);
-  for (Place& place : places_) place.known = false;
+  ++placements_;
 }
 
 const Place& SceneWorkspace::place_of(std::size_t body) {
   Place& place = places_[body];
-  if (place.known) return place;
+  if (place.number == placements_) return place;
   const MovingBody& moving = bodies_.moving_body(body);
   place.pose = pose_of(moving, model_.group, data_);
   place.center = place.pose * moving.bounds.center;
-  place.known = true;
+  place.number = placements_;
   return place;
+}
+
+const SceneWorkspace::Carried& SceneWorkspace::carried(std::size_t body) {
+  Carried& carried = carried_[body];
+  if (carried.number == placements_) return carried;
+  const Place& envelope = place_of(bodies_.envelope_of[body]);
+  carried.offset = envelope.pose.linear() * bodies_.in_envelope[body];
+  carried.center = envelope.center + carried.offset;
+  carried.number = placements_;
+  return carried;
 }
 
 Placed SceneWorkspace::placed(bool fixed, std::size_t i) {
@@ -108,12 +119,22 @@ Contact SceneWorkspace::contact(const Pair& pair) {
 
 // --- one configuration
 
-/// From a sphere around a, and a box or a sphere around b.
 double SceneWorkspace::distance_bound(const Pair& pair, Eigen::Vector3d* direction) {
   const Eigen::Vector3d& center = place_of(pair.a).center;
+  return distance_bound(pair, center, pair.b_fixed ? center : place_of(pair.b).center, direction);
+}
+
+double SceneWorkspace::distance_bound_in_envelopes(const Pair& pair, Eigen::Vector3d* direction) {
+  const Eigen::Vector3d& center = carried(pair.a).center;
+  return distance_bound(pair, center, pair.b_fixed ? center : carried(pair.b).center, direction);
+}
+
+/// From a sphere around a, and a box or a sphere around b: between these centres, a fixed b has its own.
+double SceneWorkspace::distance_bound(const Pair& pair, const Eigen::Vector3d& center, const Eigen::Vector3d& center_b,
+                                      Eigen::Vector3d* direction) const {
   const double radius = bodies_.moving_body(pair.a).bounds.radius;
   if (!pair.b_fixed) {
-    const Eigen::Vector3d apart = center - place_of(pair.b).center;
+    const Eigen::Vector3d apart = center - center_b;
     const double distance = apart.norm();
     if (direction) *direction = apart / distance;
     return distance - radius - bodies_.moving_body(pair.b).bounds.radius;
@@ -231,6 +252,13 @@ void SceneWorkspace::place_with_axes(ConstVector q) {
 double SceneWorkspace::displacement(std::size_t body, std::uint64_t support, double half_width,
                                     const Eigen::Vector3d* direction) {
   return displacements_.of(body, place_of(body), support, half_width, direction);
+}
+
+double SceneWorkspace::displacement_in_envelope(std::size_t body, std::uint64_t support,
+                                                const Eigen::Vector3d* direction) {
+  const std::uint32_t envelope = bodies_.envelope_of[body];
+  return displacements_.of_sphere(envelope, place_of(envelope), support, carried(body).offset,
+                                  bodies_.moving[body].bounds.radius, direction);
 }
 
 double SceneWorkspace::approach(const Pair& pair, double half_width, const Eigen::Vector3d* direction) {

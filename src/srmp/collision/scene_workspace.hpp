@@ -68,6 +68,10 @@ class SceneWorkspace final : public Checker::Workspace {
   /// By how much the two bodies of the pair can approach each other within `half_width` of the motion around here; with
   /// a unit vector, along it.
   double approach(const Pair& pair, double half_width = 1.0, const Eigen::Vector3d* direction = nullptr);
+  // The two bounds for bodies of envelopes, from where those are and how they move: looser, and in a fraction of the
+  // time.
+  double distance_bound_in_envelopes(const Pair& pair, Eigen::Vector3d* direction);
+  double displacement_in_envelope(std::size_t body, std::uint64_t support, const Eigen::Vector3d* direction = nullptr);
   /// The clearance that the pair keeps within `half_width` of the motion around here, by planes that separate the two;
   /// negative where that proves nothing.
   double free_gap(const Pair& pair, const Separation& separation, double half_width = 1.0);
@@ -99,7 +103,17 @@ class SceneWorkspace final : public Checker::Workspace {
     Candidates candidates{};
   };
 
+  /// A body's bounding sphere, as its envelope carries it.
+  struct Carried {
+    std::uint64_t number{};  // as Place::number
+    Eigen::Vector3d offset;  // of its centre, from the envelope's
+    Eigen::Vector3d center;
+  };
+
   const Place& place_of(std::size_t body);
+  const Carried& carried(std::size_t body);
+  double distance_bound(const Pair& pair, const Eigen::Vector3d& center, const Eigen::Vector3d& center_b,
+                        Eigen::Vector3d* direction) const;
   double query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough,
                         Separation* separation = nullptr);
   void place_with_axes(ConstVector q);
@@ -133,7 +147,9 @@ class SceneWorkspace final : public Checker::Workspace {
   const Bodies& bodies_;
   RobotGroup::Data data_;
   NarrowPhase narrow_;
-  std::vector<Place> places_;  // of moving bodies and envelopes
+  std::vector<Place> places_;     // of moving bodies and envelopes
+  std::vector<Carried> carried_;  // of moving bodies
+  std::uint64_t placements_{1};   // the number of the current one
   Eigen::VectorXd start_, delta_, q_, here_;
   Displacements displacements_;
   BatchChecker::WorkspacePtr batch_;

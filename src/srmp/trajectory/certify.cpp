@@ -98,6 +98,7 @@ class FormatCheck {
 
   /// Where rows are too near in time, or too fast, the polynomials overflow and nothing can be verified.
   bool polynomials_are_finite() {
+    if (are_moderate()) return true;
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row) {
       interruption_point();
       for (Eigen::Index j = 0; j < t_.positions.cols(); ++j) {
@@ -112,6 +113,14 @@ class FormatCheck {
       }
     }
     return true;
+  }
+
+  /// Numbers of such sizes overflow nowhere.
+  bool are_moderate() const {
+    const auto small = [](const RowMatrix& rows) { return rows.size() == 0 || rows.cwiseAbs().maxCoeff() < 1e9; };
+    for (Eigen::Index i = 1; i < t_.times.size(); ++i)
+      if (const double h = t_.times[i] - t_.times[i - 1]; !(h > 1e-9 && h < 1e9)) return false;
+    return small(t_.positions) && small(t_.velocities);
   }
 
   const Trajectory& t_;
@@ -205,7 +214,8 @@ class Certifier {
   /// Bernstein coefficients, which enclose the curve; or one of these that is at least `enough`.
   double off_segment(const BernsteinPoints& points, Eigen::Index segment, double enough) {
     from_ = t_.waypoints.row(segment);
-    to_ = t_.waypoints.row(segment + 1);
+    step_ = t_.waypoints.row(segment + 1) - from_;
+    step_.cwiseAbs().cwiseProduct(reach_).maxCoeff(&heaviest_);
     double largest_off = 0.0;
     for (const Eigen::RowVectorXd& point : points) {
       largest_off = std::max(largest_off, off_segment(point));
@@ -216,12 +226,15 @@ class Certifier {
 
   /// The smallest sum of reach * |difference of a joint| to a point between from_ and to_: at a weighted median.
   double off_segment(const Eigen::RowVectorXd& point) {
+    // Most points are on the segment, which any joint's place on it shows.
+    const double at_heaviest = off_point(point, place_on_segment(point, heaviest_));
+    if (at_heaviest <= negligible_deviation) return at_heaviest;
     breaks_.clear();
     double total = 0.0;
     for (Eigen::Index j = 0; j < point.size(); ++j) {
-      const double step = to_[j] - from_[j], weight = reach_[j] * std::abs(step);
+      const double weight = reach_[j] * std::abs(step_[j]);
       if (!(weight > 0.0)) continue;
-      breaks_.emplace_back((point[j] - from_[j]) / step, weight);
+      breaks_.emplace_back(place_on_segment(point, j), weight);
       total += weight;
     }
     std::sort(breaks_.begin(), breaks_.end());
@@ -230,8 +243,17 @@ class Certifier {
       along = at;
       if ((passed += weight) >= 0.5 * total) break;
     }
-    along = std::clamp(along, 0.0, 1.0);
-    return (point - from_ - along * (to_ - from_)).cwiseAbs().dot(reach_);
+    return off_point(point, along);
+  }
+
+  /// The fraction of the segment at which a joint is as it is in the point; 0 for a joint that stays.
+  double place_on_segment(const Eigen::RowVectorXd& point, Eigen::Index joint) const {
+    return step_[joint] == 0.0 ? 0.0 : (point[joint] - from_[joint]) / step_[joint];
+  }
+
+  /// The sum of reach * |difference of a joint| to the point at a fraction of the segment.
+  double off_point(const Eigen::RowVectorXd& point, double along) const {
+    return (point - from_ - std::clamp(along, 0.0, 1.0) * step_).cwiseAbs().dot(reach_);
   }
 
   void check_deviation() {
@@ -308,7 +330,8 @@ class Certifier {
   const MotionLimits& limits_;
   const CertifyOptions& options_;
   Eigen::RowVectorXd reach_;
-  Eigen::RowVectorXd from_, to_;                   // a segment of the waypoints
+  Eigen::RowVectorXd from_, step_;                 // a segment of the waypoints
+  Eigen::Index heaviest_{};                        // the joint that moves points the farthest on it
   std::vector<std::pair<double, double>> breaks_;  // scratch of off_segment
   Certificate result_;
 };
