@@ -10,6 +10,10 @@ namespace srmp {
 
 namespace {
 
+/// There is time: gains of a thousandth count.
+const ShortcutOptions careful_shortcut{
+    .min_gain = 1e-3, .halvings = 5, .pull_gain = 1e-3, .cut_gain = 5e-3, .continuous = {}};
+
 class Anytime {
  public:
   Anytime(RobotContext& context, const SearchEndpoints& endpoints, RobotLattices& lattices, BestPath& best,
@@ -24,7 +28,7 @@ class Anytime {
         until_(context.deadline.within(improvement_.max_time())) {}
 
   void run(FoundPath first) {
-    if (!best_.take(std::move(first), until_)) return;  // now with all the care that shortening can take
+    if (!best_.take(std::move(first), until_)) return;
     std::uint64_t expansions = options_.first_expansions;
     std::uint64_t tree_checks = options_.trees ? options_.first_tree_checks : 0;
     double finer = 1.0;
@@ -45,11 +49,16 @@ class Anytime {
                           most = std::min(options_.checks_of_a_tree, checks - spent);
       Attempt found = grow_tree(most);
       const bool is_path = found.status == Status::solved;
-      if (is_path && !best_.take_if_promising(std::move(found.found), until_, options_.promising_length)) return false;
+      if (is_path && !take_from_tree(std::move(found.found))) return false;
       spent += std::max(context_.checks.motions() - before,
                         is_path ? options_.least_of_a_tree : most);  // attempts may check nothing
     }
     return true;
+  }
+
+  /// Most are not worth much care.
+  bool take_from_tree(FoundPath found) {
+    return best_.take_if_promising(std::move(found), until_, options_.promising_length, careful_shortcut);
   }
 
   Attempt grow_tree(std::uint64_t checks) {
@@ -77,7 +86,8 @@ class Anytime {
         Attempt found = search(searches);
         for (const std::string& graph : searches.exhausted_graphs())
           if (!best_.prove(limit, graph)) return false;
-        if (found.status == Status::solved && !best_.take(std::move(found.found), until_)) return false;
+        if (found.status == Status::solved && !best_.take(std::move(found.found), until_, careful_shortcut))
+          return false;
         const bool can_be_finer = !lattices_.own_primitives() && finer > options_.min_scale;
         if (!can_be_finer && fraction == 1.0 && searches.all_exhausted()) return false;
         if (best_cost() >= before) break;

@@ -33,7 +33,7 @@ struct AnytimeOptions {
 /// exhausted there proves that its optimum is longer. When a round finds nothing, the next ones have more expansions,
 /// in finer lattices.
 ///
-/// `direct`: joint-space distance from the start to the nearest goal.
+/// `endpoints`: of trees. `direct`: joint-space distance from the start to the nearest goal.
 void improve_path(RobotContext& context, const SearchEndpoints& endpoints, RobotLattices& lattices, BestPath& best,
                   FoundPath first, double direct, const AnytimeOptions& options = {});
 

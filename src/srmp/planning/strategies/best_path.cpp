@@ -29,11 +29,11 @@ bool BestPath::take(FoundPath found, const Deadline& until, const ShortcutOption
   return prove(found.lower, found.graph);
 }
 
-bool BestPath::take_if_promising(FoundPath found, const Deadline& until, double ratio) {
+bool BestPath::take_if_promising(FoundPath found, const Deadline& until, double ratio, const ShortcutOptions& options) {
   RowMatrix& path = found.path.positions.front();
   if (context_.common.shortcut) path = shortened(path, until, quick_shortcut);
   const double cost = context_.length(unstack_waypoints(path));
-  return cost > ratio * context_.statistics.path_cost_rad || take(std::move(found), until);
+  return cost > ratio * context_.statistics.path_cost_rad || take(std::move(found), until, options);
 }
 
 bool BestPath::prove(double lower, const std::string& graph) {

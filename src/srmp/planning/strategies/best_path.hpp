@@ -29,7 +29,7 @@ class BestPath {
   /// False: the user wants no better one.
   bool take(FoundPath found, const Deadline& until, const ShortcutOptions& options = {});
   /// The same, but a path that a quick shortcut leaves longer than `ratio` times the shortest so far is dropped.
-  bool take_if_promising(FoundPath found, const Deadline& until, double ratio);
+  bool take_if_promising(FoundPath found, const Deadline& until, double ratio, const ShortcutOptions& options);
   /// As `bound`, once there is a path: tells the user if its bound is better now. False: the user wants no better one.
   bool prove(double lower, const std::string& graph);
   /// No better one is needed: it is as short as `direct`, the straight line, or `final_weight` is above 1 and proven.

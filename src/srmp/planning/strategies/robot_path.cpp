@@ -93,7 +93,7 @@ class PathSearch {
     FoundPath first = find_first(options);
     if (!best_.take(first, context_.deadline, quick_shortcut) || !improvement(context_.options).requested()) return;
     prepare_search();
-    improve_path(context_, search_endpoints(), lattices(), best_, std::move(first), direct_,
+    improve_path(context_, exact_endpoints(endpoints_), lattices(), best_, std::move(first), direct_,
                  {.trees = wants_rrt_connect()});
   }
 
