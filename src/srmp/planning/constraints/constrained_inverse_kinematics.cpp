@@ -38,6 +38,14 @@ Eigen::VectorXd seed(const RobotModel& robot, const Eigen::VectorXd& reference, 
   return q;
 }
 
+/// They take a fraction of the time, and most of them are near what keeps the constraints.
+std::vector<Eigen::VectorXd> solutions_without_constraints(const RobotModel& robot, const IkGoal& target,
+                                                           const Eigen::VectorXd& reference, const Deadline& deadline) {
+  IkOptions options = target.options;
+  options.max_solutions = options.seeds;
+  return inverse_kinematics(robot, target.in_base, reference, options, target.link, deadline);
+}
+
 }  // namespace
 
 std::vector<Eigen::VectorXd> constrained_inverse_kinematics(const PlacedRobot& placed,
@@ -50,12 +58,18 @@ std::vector<Eigen::VectorXd> constrained_inverse_kinematics(const PlacedRobot& p
   const PlacedConstraints all = with_targets(placed, constraints, targets);
   ConstraintChecker checker(all);
   DistinctConfigurations found(robot, options.distinct);
-  for (int i = 0; i < options.seeds && found.size() < static_cast<std::size_t>(options.max_solutions); ++i) {
-    if (deadline.stop_requested()) break;
-    Eigen::VectorXd q = seed(robot, reference, i);
-    if (!checker.project(q, constraint_fractions.configurations)) continue;
-    if (!found.has_one_close_to(q)) found.add(std::move(q));
-  }
+  const auto project = [&](Eigen::VectorXd q) {
+    if (checker.project(q, constraint_fractions.configurations) && !found.has_one_close_to(q)) found.add(std::move(q));
+  };
+  if (targets.size() == 1)
+    for (Eigen::VectorXd& q : solutions_without_constraints(robot, targets.front(), reference, deadline)) {
+      if (deadline.stop_requested()) break;
+      project(std::move(q));
+    }
+  if (found.size() > 0) return found.take_nearest_first(reference);
+  const auto enough = static_cast<std::size_t>(options.max_solutions);
+  for (int i = 0; i < options.seeds && found.size() < enough && !deadline.stop_requested(); ++i)
+    project(seed(robot, reference, i));
   return found.take_nearest_first(reference);
 }
 
