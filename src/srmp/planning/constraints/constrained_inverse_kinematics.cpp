@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <utility>
 
 #include "srmp/core/low_discrepancy.hpp"
 #include "srmp/planning/motion_checks.hpp"
@@ -10,6 +13,8 @@
 namespace srmp {
 
 namespace {
+
+constexpr std::size_t max_combinations = 256;  // of solutions for several links
 
 PlacedConstraints with_targets(const PlacedRobot& robot, const PlacedConstraints* constraints,
                                const std::vector<IkGoal>& targets) {
@@ -38,12 +43,56 @@ Eigen::VectorXd seed(const RobotModel& robot, const Eigen::VectorXd& reference, 
   return q;
 }
 
-/// They take a fraction of the time, and most of them are near what keeps the constraints.
-std::vector<Eigen::VectorXd> solutions_without_constraints(const RobotModel& robot, const IkGoal& target,
-                                                           const Eigen::VectorXd& reference, const Deadline& deadline) {
-  IkOptions options = target.options;
-  options.max_solutions = options.seeds;
-  return inverse_kinematics(robot, target.in_base, reference, options, target.link, deadline);
+/// The planned joints that move the link of a target.
+std::vector<char> joints_of(const RobotModel& robot, const IkGoal& target) {
+  std::vector<char> moves(robot.dof());
+  const std::uint64_t support = robot.link_support(robot.link_or_end_effector(target.link));
+  for (std::size_t k = 0; k < robot.actuated_joints().size(); ++k)
+    if (support >> k & 1) moves[robot.actuated_joints()[k].joint] = 1;
+  return moves;
+}
+
+/// `most` of them, the nearest to the reference first.
+void keep_nearest(const RobotModel& robot, const Eigen::VectorXd& reference, std::size_t most,
+                  std::vector<Eigen::VectorXd>& found) {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (const Eigen::VectorXd& q : found) order.emplace_back(robot.difference(reference, q).squaredNorm(), order.size());
+  std::sort(order.begin(), order.end());
+  order.resize(std::min(most, order.size()));
+  std::vector<Eigen::VectorXd> nearest;
+  for (const auto& [distance, i] : order) nearest.push_back(std::move(found[i]));
+  found = std::move(nearest);
+}
+
+/// What inverse_kinematics finds for each of the links alone, in all combinations, the nearest to the reference first;
+/// nullopt where a joint moves several of the links.
+std::optional<std::vector<Eigen::VectorXd>> combinations(const RobotModel& robot, const std::vector<IkGoal>& targets,
+                                                         const Eigen::VectorXd& reference, const Deadline& deadline) {
+  std::vector<char> taken(robot.dof());
+  for (const IkGoal& target : targets) {
+    const std::vector<char> own = joints_of(robot, target);
+    for (std::size_t j = 0; j < own.size(); ++j) {
+      if (own[j] && taken[j]) return std::nullopt;
+      taken[j] |= own[j];
+    }
+  }
+  std::vector<Eigen::VectorXd> found{reference};
+  for (const IkGoal& target : targets) {
+    const std::vector<char> own = joints_of(robot, target);
+    IkOptions options = target.options;
+    options.max_solutions = options.seeds;
+    std::vector<Eigen::VectorXd> longer;
+    for (const Eigen::VectorXd& q :
+         inverse_kinematics(robot, target.in_base, reference, options, target.link, deadline))
+      for (const Eigen::VectorXd& before : found) {
+        Eigen::VectorXd& combined = longer.emplace_back(before);
+        for (std::size_t j = 0; j < own.size(); ++j)
+          if (own[j]) combined[static_cast<Eigen::Index>(j)] = q[static_cast<Eigen::Index>(j)];
+      }
+    keep_nearest(robot, reference, max_combinations, longer);
+    found = std::move(longer);
+  }
+  return found;
 }
 
 }  // namespace
@@ -61,11 +110,13 @@ std::vector<Eigen::VectorXd> constrained_inverse_kinematics(const PlacedRobot& p
   const auto project = [&](Eigen::VectorXd q) {
     if (checker.project(q, constraint_fractions.configurations) && !found.has_one_close_to(q)) found.add(std::move(q));
   };
-  if (targets.size() == 1)
-    for (Eigen::VectorXd& q : solutions_without_constraints(robot, targets.front(), reference, deadline)) {
-      if (deadline.stop_requested()) break;
-      project(std::move(q));
+  if (const auto alone = combinations(robot, targets, reference, deadline)) {
+    if (!constraints) return *alone;
+    for (const Eigen::VectorXd& q : *alone) {
+      if (deadline.stop_requested() || found.size() == static_cast<std::size_t>(options.seeds)) break;
+      project(q);
     }
+  }
   if (found.size() > 0) return found.take_nearest_first(reference);
   const auto enough = static_cast<std::size_t>(options.max_solutions);
   for (int i = 0; i < options.seeds && found.size() < enough && !deadline.stop_requested(); ++i)

@@ -114,34 +114,51 @@ std::string reason_against_target(RobotContext& context, const Eigen::VectorXd& 
               : "");
 }
 
+/// Why there is no target yet.
+struct NoTarget {
+  std::string reason;                      // of the first goal that no configuration satisfies
+  std::optional<Eigen::VectorXd> invalid;  // the first configuration that satisfies a goal
+};
+
+/// Adds up to ik_solutions valid configurations that satisfy a goal.
+void find_targets(RobotContext& context, RobotEndpoints& endpoints, const GoalConstraint& goal,
+                  const Eigen::VectorXd& target, int goal_index, NoTarget& no_target) {
+  const int enough = context.common.ik_solutions;
+  int valid = 0, searches = enough;
+  std::string why;
+  for (const int most : {enough, IkOptions().seeds}) {
+    auto found = goal_configurations(*context.task.placed, context.task.constraints.get(), goal, target,
+                                     endpoints.start, most, context.deadline, why);
+    for (Eigen::VectorXd& q : found) {
+      if (add_target(context, endpoints, q, goal_index, searches)) {
+        if (++valid == enough) break;
+      } else if (!no_target.invalid) {
+        no_target.invalid = std::move(q);
+      }
+      context.stop_if_late("the search for goal configurations");
+    }
+    // Those of several links are found one by one: no more than necessary at first.
+    if (valid > 0 || goal.links.size() <= 1 || std::ssize(found) < most) break;
+  }
+  if (no_target.reason.empty() && !no_target.invalid) no_target.reason = why;
+}
+
 void find_targets(RobotContext& context, RobotEndpoints& endpoints) {
   const PhaseTimer timer(context.deadline, context.statistics.ik_time_s);
   int index = 0;
-  std::string first_reason;
-  std::optional<Eigen::VectorXd> first_invalid;  // of all goals
+  NoTarget no_target;
   for (const GoalConstraint& goal : context.task.goals)
     for (const Eigen::VectorXd& target : goal.targets) {
-      std::string why;
-      int valid = 0, searches = context.common.ik_solutions;
-      for (Eigen::VectorXd& q :
-           goal_configurations(*context.task.placed, context.task.constraints.get(), goal, target, endpoints.start,
-                               context.common.ik_solutions, context.deadline, why)) {
-        if (add_target(context, endpoints, q, index, searches)) {
-          if (++valid == context.common.ik_solutions) break;
-        } else if (!first_invalid) {
-          first_invalid = std::move(q);
-        }
-        context.stop_if_late("the search for goal configurations");
-      }
-      if (first_reason.empty() && !first_invalid) first_reason = why;
+      find_targets(context, endpoints, goal, target, index, no_target);
       ++index;
       context.stop_if_late("the search for goal configurations");
     }
   if (!endpoints.targets.empty()) return;
-  if (first_reason.empty() && first_invalid) first_reason = reason_against_target(context, *first_invalid);
+  if (no_target.reason.empty() && no_target.invalid)
+    no_target.reason = reason_against_target(context, *no_target.invalid);
   throw PlanningError(
       Status::goal_invalid,
-      (index == 1 ? "the goal is invalid: " : "all goals are invalid, the first because ") + first_reason);
+      (index == 1 ? "the goal is invalid: " : "all goals are invalid, the first because ") + no_target.reason);
 }
 
 }  // namespace
