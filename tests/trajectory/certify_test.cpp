@@ -374,6 +374,11 @@ BOOST_AUTO_TEST_CASE(what_is_not_finite_is_found) {
   near.velocities.resize(0, 2);
   expect_only(world.certify(near), FaultKind::not_finite, {"the polynomial of a overflows between rows 0 and 1"});
   expect_only(world.certify(segment(0, 1e200, 0, 0)), FaultKind::not_finite, {"overflows"});
+  for (const double huge : {1e200, static_cast<double>(NAN), infinity}) {
+    Trajectory t = world.good();
+    t.waypoints(1, 0) = huge;
+    expect_only(world.certify(t), FaultKind::not_finite, {"waypoint 1 holds NaN, infinity or a number that overflows"});
+  }
 }
 
 BOOST_AUTO_TEST_CASE(arrays_that_do_not_fit_are_found) {

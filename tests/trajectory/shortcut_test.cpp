@@ -304,6 +304,17 @@ BOOST_AUTO_TEST_CASE(continuous_joints_take_the_short_way) {
                                 "continuous joint moves by 4 rad");
 }
 
+BOOST_AUTO_TEST_CASE(a_path_to_and_fro_asks_about_no_motion_of_nan) {
+  const MotionFree is_long = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    BOOST_TEST((a.allFinite() && b.allFinite()));
+    return (b - a).norm() > 1.0;
+  };
+  const RowMatrix path{{0.0, 0.0}, {1.0, 0.5}, {0.0, 0.0}};
+  const RowMatrix found = shortcut(path, is_long, {}).waypoints;
+  BOOST_TEST(found.allFinite());
+  BOOST_TEST((found.row(0) == path.row(0) && found.bottomRows(1) == path.row(2)));
+}
+
 BOOST_AUTO_TEST_CASE(bad_input_is_refused) {
   const RowMatrix path = rows({{0, 0}, {1, 0}, {1, 1}});
   const auto with = [&](auto&& change) {

@@ -44,7 +44,7 @@ class Displacements {
   /// has them.
   double of(std::size_t body, const Place& place, std::uint64_t support, double half_width,
             const Eigen::Vector3d& direction, std::span<const Eigen::Vector3d> part);
-  /// The same of any part of the body, over all of the motion: of a sphere that is `offset` away from the centre.
+  /// The same of what is both in the body and in a sphere `offset` away from its centre, over all of the motion.
   double of_sphere(std::size_t body, const Place& place, std::uint64_t support, const Eigen::Vector3d& offset,
                    double radius, const Eigen::Vector3d* direction);
 

@@ -102,7 +102,7 @@ class Prover {
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
   bool prove_halves(const Interval& interval, std::size_t first, std::size_t count);
   bool prove_group(const Open& open, const Interval& interval);
-  bool prove_member(std::uint32_t pair, const Interval& interval);
+  bool prove_member(std::uint32_t member, const Interval& interval);
   bool prove_pair(Open open, const Interval& interval);
   void close(const Open& open, const Interval& interval, bool measured);
   bool sharpen();

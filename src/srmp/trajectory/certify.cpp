@@ -80,8 +80,9 @@ class FormatCheck {
         return fault(FaultKind::not_finite, "row " + std::to_string(i) + " holds NaN or infinity");
     }
     for (Eigen::Index i = 0; i < t_.waypoints.rows(); ++i)
-      if (!t_.waypoints.row(i).allFinite())
-        return fault(FaultKind::not_finite, "waypoint " + std::to_string(i) + " holds NaN or infinity");
+      if (!(t_.waypoints.row(i).array().abs() < largest).all())
+        return fault(FaultKind::not_finite,
+                     "waypoint " + std::to_string(i) + " holds NaN, infinity or a number that overflows");
     return true;
   }
 
@@ -226,7 +227,7 @@ class Certifier {
 
   /// The smallest sum of reach * |difference of a joint| to a point between from_ and to_: at a weighted median.
   double off_segment(const Eigen::RowVectorXd& point) {
-    // Most points are on the segment, which any joint's place on it shows.
+    // Most points are on the segment: where the joint that moves most is.
     const double at_heaviest = off_point(point, place_on_segment(point, heaviest_));
     if (at_heaviest <= negligible_deviation) return at_heaviest;
     breaks_.clear();

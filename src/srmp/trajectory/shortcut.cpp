@@ -139,7 +139,8 @@ void Shortcutter::pull_corner(Path& path, std::size_t i) {
   const Eigen::Index dof = corner.q.size();
   for (Eigen::Index j = 0; j <= dof; ++j) {
     const Point chord = difference(before.q, after.q), offset = difference(before.q, corner.q);
-    const double fraction = std::clamp(offset.dot(chord) / chord.squaredNorm(), 0.0, 1.0);
+    const double squared = chord.squaredNorm();
+    const double fraction = squared > 0.0 ? std::clamp(offset.dot(chord) / squared, 0.0, 1.0) : 0.0;
     Point pull = fraction * chord - offset;
     if (j < dof) {
       const double only = pull[j];
@@ -162,6 +163,7 @@ void Shortcutter::pull_corner(Path& path, std::size_t i) {
 bool Shortcutter::cut_corner(Path& path, std::size_t i) {
   const Point corner = path[i].q, back = difference(corner, path[i - 1].q), ahead = difference(corner, path[i + 1].q);
   const double reach = std::min(back.norm(), ahead.norm());
+  if (!(reach > 0.0)) return false;
   for (double fraction = 0.5; fraction > 0.1; fraction *= 0.5) {
     const Point in = corner + fraction * reach / back.norm() * back,
                 out = corner + fraction * reach / ahead.norm() * ahead;

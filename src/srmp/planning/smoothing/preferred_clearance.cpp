@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "srmp/trajectory/path.hpp"
+
 namespace srmp {
 
 namespace {
@@ -37,7 +39,7 @@ class LevelledShortcut {
       result.conservativeResize(before + shorter.rows() - 1, Eigen::NoChange);
       result.bottomRows(shorter.rows() - 1) = shorter.bottomRows(shorter.rows() - 1);
     }
-    return result;
+    return unwrap_waypoints(result, options_.continuous);  // a part may go the other way round than before
   }
 
  private:

@@ -28,6 +28,7 @@ class Anytime {
         until_(context.deadline.within(improvement_.max_time())) {}
 
   void run(FoundPath first) {
+    // With less care than others: trees are about to find shorter ones.
     if (!best_.take(std::move(first), until_)) return;
     std::uint64_t expansions = options_.first_expansions;
     std::uint64_t tree_checks = options_.trees ? options_.first_tree_checks : 0;

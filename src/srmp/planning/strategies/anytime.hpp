@@ -21,7 +21,7 @@ struct AnytimeOptions {
   std::uint64_t checks_of_a_tree{512};    ///< > 0; then other samples are tried
   std::uint64_t least_of_a_tree{128};     ///< counted for one that finds a path, and its shortening
   /// Samples of trees are where a path may pass that is no longer than this multiple of the best one: what trees find
-  /// is shortened yet.
+  /// is still to be shortened.
   double sampled_length{1.3};
   double promising_length{1.15};  ///< as a multiple of the best path's: longer ones are not shortened carefully
 };

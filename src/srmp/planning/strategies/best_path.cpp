@@ -30,6 +30,8 @@ bool BestPath::take(FoundPath found, const Deadline& until, const ShortcutOption
 }
 
 bool BestPath::take_if_promising(FoundPath found, const Deadline& until, double ratio, const ShortcutOptions& options) {
+  double& search_cost = context_.statistics.search_cost_rad;
+  search_cost = std::min(search_cost, found.cost);
   RowMatrix& path = found.path.positions.front();
   if (context_.common.shortcut) path = shortened(path, until, quick_shortcut);
   const double cost = context_.length(unstack_waypoints(path));

@@ -28,7 +28,8 @@ class BestPath {
   /// Shortens a path, as the options say and no longer than `until`, and keeps it when it is the shortest so far.
   /// False: the user wants no better one.
   bool take(FoundPath found, const Deadline& until, const ShortcutOptions& options = {});
-  /// The same, but a path that a quick shortcut leaves longer than `ratio` times the shortest so far is dropped.
+  /// The same once there is a path, but one that a quick shortcut leaves longer than `ratio` times the shortest so far
+  /// is dropped.
   bool take_if_promising(FoundPath found, const Deadline& until, double ratio, const ShortcutOptions& options);
   /// As `bound`, once there is a path: tells the user if its bound is better now. False: the user wants no better one.
   bool prove(double lower, const std::string& graph);

@@ -57,6 +57,7 @@ class Samples {
   Eigen::VectorXd operator()(search::RandomSequence& random) {
     Eigen::VectorXd q = draw(random);
     for (int draws = 1; !is_on_short_path(q) && draws < options_.informed_draws; ++draws) q = draw(random);
+    taken_ += taken_ < options_.direct_samples;
     return q;
   }
 
@@ -64,7 +65,6 @@ class Samples {
   Eigen::VectorXd draw(search::RandomSequence& random) {
     const Eigen::VectorXd q = (random.next() < options_.far_fraction ? far_ : near_).sample(random);
     if (taken_ == options_.direct_samples || motions_.empty()) return q;
-    ++taken_;
     const auto number = static_cast<std::size_t>(random.next() * static_cast<double>(motions_.size()));
     const Eigen::VectorXd between = start_ + random.next() * motions_[number];
     return between + options_.direct_distance * (q - between);
