@@ -81,16 +81,16 @@ std::optional<std::vector<Eigen::VectorXd>> combinations(const RobotModel& robot
     const std::vector<char> own = joints_of(robot, target);
     IkOptions options = target.options;
     options.max_solutions = options.seeds;
-    std::vector<Eigen::VectorXd> longer;
+    std::vector<Eigen::VectorXd> extended;
     for (const Eigen::VectorXd& q :
          inverse_kinematics(robot, target.in_base, reference, options, target.link, deadline))
       for (const Eigen::VectorXd& before : found) {
-        Eigen::VectorXd& combined = longer.emplace_back(before);
+        Eigen::VectorXd& combined = extended.emplace_back(before);
         for (std::size_t j = 0; j < own.size(); ++j)
           if (own[j]) combined[static_cast<Eigen::Index>(j)] = q[static_cast<Eigen::Index>(j)];
       }
-    keep_nearest(robot, reference, max_combinations, longer);
-    found = std::move(longer);
+    keep_nearest(robot, reference, max_combinations, extended);
+    found = std::move(extended);
   }
   return found;
 }
