@@ -95,14 +95,16 @@ def draw(rows: list[dict[str, Any]], path: str) -> None:
     solved, length = figure.subplots(1, 2)
     for name in SETTINGS:
         first = [row[name][0][0] if row[name] else np.inf for row in rows]
-        solved.plot(1e3 * TIMES, [100.0 * np.mean(np.array(first) <= time) for time in TIMES], linewidth=1.8)
-        length.plot(1e3 * TIMES, curve(rows, name), label=name, linewidth=1.8)
+        solved.plot(
+            1e3 * TIMES, [100.0 * np.mean(np.array(first) <= time) for time in TIMES], label=name, linewidth=1.8
+        )
+        length.plot(1e3 * TIMES, curve(rows, name), linewidth=1.8)
     solved.set(ylabel="problems with a path [%]", ylim=(0, 102))
     length.set(ylabel="path length / shortest known")
     for axes in (solved, length):
         axes.set(xscale="log", xlabel="time [ms]", xlim=(0.1, 1e3))
         axes.grid(alpha=0.3, which="both")
-    length.legend(frameon=False, loc="lower left")
+    solved.legend(frameon=False, loc="lower right")
     figure.savefig(path)
 
 
