@@ -6,6 +6,18 @@
 
 namespace srmp::detail {
 
+namespace {
+
+/// How far a sphere moves, along the direction if there is one, whose centre has this velocity.
+double linear_of_sphere(const Eigen::Vector3d& velocity, const Eigen::Vector3d& turn, double radius,
+                        const Eigen::Vector3d* direction) {
+  const double of_center = direction ? std::abs(velocity.dot(*direction)) : velocity.norm();
+  if (!(radius > 0.0)) return of_center;
+  return of_center + radius * (direction ? turn.cross(*direction).norm() : turn.norm());
+}
+
+}  // namespace
+
 Displacements::Displacements(const SceneModel& model) : model_(model), joints_(model.group.actuated_joints().size()) {
   active_list_.reserve(joints_);
   speed_.resize(joints_);
@@ -46,21 +58,20 @@ void Displacements::limit(std::span<const double> change, std::span<const double
 void Displacements::place(const RobotGroup::Data& data) {
   const std::size_t moving = model_.bodies.moving.size() + model_.bodies.envelopes.size();
   for (std::size_t k : active_list_) axes_[k] = model_.group.actuated_joint_axis(data, k);
-  ++placements_;
   chains_.resize(moving);
   arms_.resize(moving * joints_);  // not before: most motions are decided by spheres alone
   steps_.resize(moving * (joints_ + 1));
 }
 
-Displacements::Chain& Displacements::chain(std::size_t body) {
+Displacements::Chain& Displacements::chain(std::size_t body, const Place& place) {
   Chain& chain = chains_[body];
-  if (chain.placement != placements_) chain = {.placement = placements_};
+  if (chain.placement != place.number) chain = {.placement = place.number};
   return chain;
 }
 
 const Displacements::Arm& Displacements::arm(std::size_t body, const Place& place, std::size_t joint) {
   Arm& arm = arms_[body * joints_ + joint];
-  std::uint64_t& known = chain(body).arms;
+  std::uint64_t& known = chain(body, place).arms;
   if (known >> joint & 1) return arm;
   known |= std::uint64_t{1} << joint;
   const auto& [point, axis] = axes_[joint];
@@ -97,7 +108,7 @@ void Displacements::add_joint(std::size_t joint, const Arm* arm, double half_wid
 /// What the joints of `support` add up to, which move: the deepest ones of the body's chain, for every pair's.
 const Displacements::Step& Displacements::sum(std::size_t body, const Place& place, std::uint64_t support,
                                               double half_width) {
-  Chain& chain = this->chain(body);
+  Chain& chain = this->chain(body, place);
   Step* steps = steps_.data() + body * (joints_ + 1);
   const auto begin = [&](double width) {
     chain.half_width = width;
@@ -135,9 +146,7 @@ double Displacements::of(std::size_t body, const Place& place, std::uint64_t sup
   const Core& core = model_.bodies.moving_body(body).core;
   double linear = 0.0;
   if (core.half.isZero(0.0)) {
-    linear = direction ? std::abs(last.velocity.dot(*direction)) : last.velocity.norm();
-    if (core.radius > 0.0)
-      linear += core.radius * (direction ? Eigen::Vector3d(last.turn.cross(*direction)) : last.turn).norm();
+    linear = linear_of_sphere(last.velocity, last.turn, core.radius, direction);
   } else {
     const Eigen::Vector3d at_end = last.turn.cross(place.pose.linear() * core.half);
     linear = direction ? std::abs(last.velocity.dot(*direction)) + std::abs(at_end.dot(*direction)) +
@@ -153,10 +162,8 @@ double Displacements::of_sphere(std::size_t body, const Place& place, std::uint6
   support &= active_;
   if (support == 0) return 0.0;
   const Step& last = sum(body, place, support, 1.0);
-  const Eigen::Vector3d velocity = last.velocity + last.turn.cross(offset);
-  const double linear = direction ? std::abs(velocity.dot(*direction)) + radius * last.turn.cross(*direction).norm()
-                                  : velocity.norm() + radius * last.turn.norm();
-  return last.sweep.bound(linear + last.rest);
+  return last.sweep.bound(linear_of_sphere(last.velocity + last.turn.cross(offset), last.turn, radius, direction) +
+                          last.rest);
 }
 
 /// The motion along a direction is a convex function of the point, so the corners bound it.

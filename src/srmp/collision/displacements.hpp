@@ -12,7 +12,7 @@ namespace srmp::detail {
 
 /// Where a moving body is, found when it is first needed.
 struct Place {
-  std::uint64_t number{};  ///< of the placement that it is of
+  std::uint64_t number{};  ///< of the placement that it is of; not 0 where it is known
   Eigen::Isometry3d pose;
   Eigen::Vector3d center;  // of its bounding sphere
 };
@@ -63,7 +63,7 @@ class Displacements {
   };
   /// The steps of a body's chain that are known.
   struct Chain {
-    std::uint64_t placement{};
+    std::uint64_t placement{};  // Place::number of what is known
     double half_width{-1.0};
     std::uint64_t arms{};           // known, by joint
     std::uint32_t steps{}, next{};  // how many; where in active_list_ to go on
@@ -72,12 +72,11 @@ class Displacements {
   const Step& sum(std::size_t body, const Place& place, std::uint64_t support, double half_width);
   void add_joint(std::size_t joint, const Arm* arm, double half_width, Step& step) const;
   const Arm& arm(std::size_t body, const Place& place, std::size_t joint);
-  Chain& chain(std::size_t body);
+  Chain& chain(std::size_t body, const Place& place);
 
   const SceneModel& model_;
   const std::size_t joints_;  // actuated
   std::uint64_t active_{};
-  std::uint64_t placements_{};            // how often bodies were placed; chains of others are not known
   std::vector<std::size_t> active_list_;  // the same, the deepest first
   std::vector<double> speed_;             // of each actuated joint, at most [rad or m over the whole motion]
   std::vector<double> linear_, rest_;     // of it: what is linear [rad or m], and the rest, as in limit()

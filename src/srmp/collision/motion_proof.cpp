@@ -115,6 +115,8 @@ class Prover {
     return levels;
   }
   double approach(const Pair& pair);
+  template <class Compute>
+  double remembered(Displacement& known, std::uint64_t support, Compute&& compute);
   double displacement(std::uint32_t body, std::uint64_t support);
   double displacement_in_envelope(std::uint32_t body, std::uint64_t support);
   Separation& separation_of(const Pair& pair) {
@@ -230,19 +232,21 @@ double Prover::approach(const Pair& pair) {
   return pair.b_fixed ? motion : motion + displacement(pair.b, pair.support_b);
 }
 
-/// How far the joints of `support` can move the body: often the same as for the pair before.
-double Prover::displacement(std::uint32_t body, std::uint64_t support) {
-  Displacement& known = displacements_[body];
-  if (known.sample != samples_ || known.support != support)
-    known = {samples_, support, workspace_.displacement(body, support)};
+/// What is known at this sample for these joints, which are often those of the pair before, or what `compute` finds.
+template <class Compute>
+double Prover::remembered(Displacement& known, std::uint64_t support, Compute&& compute) {
+  if (known.sample != samples_ || known.support != support) known = {samples_, support, compute()};
   return known.motion;
 }
 
+/// How far the joints of `support` can move the body.
+double Prover::displacement(std::uint32_t body, std::uint64_t support) {
+  return remembered(displacements_[body], support, [&] { return workspace_.displacement(body, support); });
+}
+
+/// The same from how its envelope moves.
 double Prover::displacement_in_envelope(std::uint32_t body, std::uint64_t support) {
-  Displacement& known = in_envelopes_[body];
-  if (known.sample != samples_ || known.support != support)
-    known = {samples_, support, workspace_.displacement_in_envelope(body, support)};
-  return known.motion;
+  return remembered(in_envelopes_[body], support, [&] { return workspace_.displacement_in_envelope(body, support); });
 }
 
 void Prover::place_at(const Interval& interval) {

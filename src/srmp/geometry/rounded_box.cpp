@@ -1,6 +1,5 @@
 #include "srmp/geometry/rounded_box.hpp"
 
-#include <algorithm>
 #include <limits>
 
 namespace srmp {

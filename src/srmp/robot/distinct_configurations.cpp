@@ -21,10 +21,18 @@ bool DistinctConfigurations::has_one_close_to(const Eigen::VectorXd& q) const {
 }
 
 std::vector<Eigen::VectorXd> DistinctConfigurations::take_nearest_first(ConstVector reference) {
-  const auto distance = [&](const Eigen::VectorXd& q) { return robot_.difference(reference, q).norm(); };
-  std::stable_sort(found_.begin(), found_.end(),
-                   [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return distance(a) < distance(b); });
-  return std::exchange(found_, {});
+  return nearest_first(robot_, reference, std::exchange(found_, {}));
+}
+
+std::vector<Eigen::VectorXd> nearest_first(const RobotModel& robot, ConstVector reference,
+                                           std::vector<Eigen::VectorXd> configurations) {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (const Eigen::VectorXd& q : configurations)
+    order.emplace_back(robot.difference(reference, q).norm(), order.size());
+  std::sort(order.begin(), order.end());
+  std::vector<Eigen::VectorXd> sorted;
+  for (const auto& [distance, i] : order) sorted.push_back(std::move(configurations[i]));
+  return sorted;
 }
 
 }  // namespace srmp

@@ -8,6 +8,10 @@
 
 namespace srmp {
 
+/// The configurations, the nearest to `reference` first; of equally near ones, that which came first.
+std::vector<Eigen::VectorXd> nearest_first(const RobotModel& robot, ConstVector reference,
+                                           std::vector<Eigen::VectorXd> configurations);
+
 /// Configurations of a robot, such as solutions of inverse kinematics, no two of which are close to each other.
 class DistinctConfigurations {
  public:

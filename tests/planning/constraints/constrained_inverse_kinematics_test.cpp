@@ -39,7 +39,7 @@ BOOST_AUTO_TEST_CASE(constraints_that_the_goal_keeps_leave_all_of_its_configurat
     const auto cone = place_constraints(scene, robot->name(), {PathConstraint::cone({0, 0, 1}, axis, 0.1)});
     const PlacedRobot placed{robot};
     IkOptions options;
-    options.max_solutions = 4;  // of one link alone, all are wanted: the nearest may be in collision
+    options.max_solutions = 4;  // of one link alone, all are found all the same: the nearest may be in collision
     const auto kept = constrained_inverse_kinematics(placed, cone.get(), {{"", goal, options}}, q, {});
     options.max_solutions = options.seeds;
     const auto all = inverse_kinematics(*robot, goal, q, options);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "srmp/core/low_discrepancy.hpp"
 #include "srmp/planning/motion_checks.hpp"
@@ -52,45 +53,30 @@ std::vector<char> joints_of(const RobotModel& robot, const IkGoal& target) {
   return moves;
 }
 
-/// `most` of them, the nearest to the reference first.
-void keep_nearest(const RobotModel& robot, const Eigen::VectorXd& reference, std::size_t most,
-                  std::vector<Eigen::VectorXd>& found) {
-  std::vector<std::pair<double, std::size_t>> order;
-  for (const Eigen::VectorXd& q : found) order.emplace_back(robot.difference(reference, q).squaredNorm(), order.size());
-  std::sort(order.begin(), order.end());
-  order.resize(std::min(most, order.size()));
-  std::vector<Eigen::VectorXd> nearest;
-  for (const auto& [distance, i] : order) nearest.push_back(std::move(found[i]));
-  found = std::move(nearest);
-}
-
 /// What inverse_kinematics finds for each of the links alone, in all combinations, the nearest to the reference first;
 /// nullopt where a joint moves several of the links.
 std::optional<std::vector<Eigen::VectorXd>> combinations(const RobotModel& robot, const std::vector<IkGoal>& targets,
                                                          const Eigen::VectorXd& reference, const Deadline& deadline) {
+  std::vector<std::vector<char>> own;  // joints of each link
   std::vector<char> taken(robot.dof());
   for (const IkGoal& target : targets) {
-    const std::vector<char> own = joints_of(robot, target);
-    for (std::size_t j = 0; j < own.size(); ++j) {
-      if (own[j] && taken[j]) return std::nullopt;
-      taken[j] |= own[j];
+    own.push_back(joints_of(robot, target));
+    for (std::size_t j = 0; j < taken.size(); ++j) {
+      if (own.back()[j] && taken[j]) return std::nullopt;
+      taken[j] |= own.back()[j];
     }
   }
   std::vector<Eigen::VectorXd> found{reference};
-  for (const IkGoal& target : targets) {
-    const std::vector<char> own = joints_of(robot, target);
-    IkOptions options = target.options;
-    options.max_solutions = options.seeds;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
     std::vector<Eigen::VectorXd> extended;
-    for (const Eigen::VectorXd& q :
-         inverse_kinematics(robot, target.in_base, reference, options, target.link, deadline))
+    for (const Eigen::VectorXd& q : all_solutions(robot, targets[i], reference, deadline))
       for (const Eigen::VectorXd& before : found) {
         Eigen::VectorXd& combined = extended.emplace_back(before);
-        for (std::size_t j = 0; j < own.size(); ++j)
-          if (own[j]) combined[static_cast<Eigen::Index>(j)] = q[static_cast<Eigen::Index>(j)];
+        for (std::size_t j = 0; j < taken.size(); ++j)
+          if (own[i][j]) combined[static_cast<Eigen::Index>(j)] = q[static_cast<Eigen::Index>(j)];
       }
-    keep_nearest(robot, reference, max_combinations, extended);
-    found = std::move(extended);
+    found = nearest_first(robot, reference, std::move(extended));
+    if (found.size() > max_combinations) found.resize(max_combinations);
   }
   return found;
 }
@@ -104,19 +90,19 @@ std::vector<Eigen::VectorXd> constrained_inverse_kinematics(const PlacedRobot& p
                                                             const Deadline& deadline) {
   const RobotModel& robot = *placed.model;
   const IkOptions& options = targets.front().options;
+  const auto alone = combinations(robot, targets, reference, deadline);
+  if (alone && !constraints) return *alone;
   const PlacedConstraints all = with_targets(placed, constraints, targets);
   ConstraintChecker checker(all);
   DistinctConfigurations found(robot, options.distinct);
   const auto project = [&](Eigen::VectorXd q) {
     if (checker.project(q, constraint_fractions.configurations) && !found.has_one_close_to(q)) found.add(std::move(q));
   };
-  if (const auto alone = combinations(robot, targets, reference, deadline)) {
-    if (!constraints) return *alone;
+  if (alone)
     for (const Eigen::VectorXd& q : *alone) {
       if (deadline.stop_requested() || found.size() == static_cast<std::size_t>(options.seeds)) break;
       project(q);
     }
-  }
   if (found.size() > 0) return found.take_nearest_first(reference);
   const auto enough = static_cast<std::size_t>(options.max_solutions);
   for (int i = 0; i < options.seeds && found.size() < enough && !deadline.stop_requested(); ++i)

@@ -15,10 +15,7 @@ namespace {
 std::vector<Eigen::VectorXd> solutions_of(const PlacedRobot& placed, const std::vector<IkGoal>& targets,
                                           const Eigen::VectorXd& reference, const Deadline& deadline) {
   if (targets.size() > 1) return constrained_inverse_kinematics(placed, nullptr, targets, reference, deadline);
-  const IkGoal& target = targets.front();
-  IkOptions options = target.options;
-  options.max_solutions = options.seeds;  // the nearest of many
-  return inverse_kinematics(*placed.model, target.in_base, reference, options, target.link, deadline);
+  return all_solutions(*placed.model, targets.front(), reference, deadline);
 }
 
 std::string place_of(const RobotModel& robot, const IkGoal& target, const Pose& base) {

@@ -90,6 +90,13 @@ std::vector<IkGoal> ik_goals(const GoalConstraint& goal, const Eigen::VectorXd& 
   return result;
 }
 
+std::vector<Eigen::VectorXd> all_solutions(const RobotModel& robot, const IkGoal& target,
+                                           const Eigen::VectorXd& reference, const Deadline& deadline) {
+  IkOptions options = target.options;
+  options.max_solutions = options.seeds;
+  return inverse_kinematics(robot, target.in_base, reference, options, target.link, deadline);
+}
+
 GoalConnection make_ik_goal_connection(const PlacedRobot& robot, const std::vector<GoalConstraint>& goals,
                                        const Eigen::VectorXd& step) {
   const auto is_left_out = [](const GoalConstraint& g) { return g.type == GoalType::joints || g.links.size() > 1; };

@@ -19,6 +19,10 @@ struct IkGoal {
 /// Of a goal that is no joint goal: one for each link, at least one.
 std::vector<IkGoal> ik_goals(const GoalConstraint& goal, const Eigen::VectorXd& target, const PlacedRobot& robot);
 
+/// All configurations that inverse kinematics finds for one of these from its seeds, the nearest to `reference` first.
+std::vector<Eigen::VectorXd> all_solutions(const RobotModel& robot, const IkGoal& target,
+                                           const Eigen::VectorXd& reference, const Deadline& deadline);
+
 /// For states whose end effector is near a pose or position target: the configuration that inverse kinematics, started
 /// from that very state, finds there. Near is what a lattice step makes good: the position is missed by no more than
 /// one `step` of a revolute joint at the target's distance from the base (and one of a prismatic joint), the

@@ -50,16 +50,14 @@ class Anytime {
                           most = std::min(options_.checks_of_a_tree, checks - spent);
       Attempt found = grow_tree(most);
       const bool is_path = found.status == Status::solved;
-      if (is_path && !take_from_tree(std::move(found.found))) return false;
+      // Most are not worth much care.
+      if (is_path &&
+          !best_.take_if_promising(std::move(found.found), until_, options_.promising_length, careful_shortcut))
+        return false;
       spent += std::max(context_.checks.motions() - before,
                         is_path ? options_.least_of_a_tree : most);  // attempts may check nothing
     }
     return true;
-  }
-
-  /// Most are not worth much care.
-  bool take_from_tree(FoundPath found) {
-    return best_.take_if_promising(std::move(found), until_, options_.promising_length, careful_shortcut);
   }
 
   Attempt grow_tree(std::uint64_t checks) {
