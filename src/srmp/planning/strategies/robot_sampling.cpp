@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "srmp/search/graph.hpp"
+
 namespace srmp {
 
 namespace {
