@@ -67,29 +67,31 @@ BOOST_AUTO_TEST_CASE(every_box_of_a_bvh_contains_its_primitives) {
   const auto geometry = make_geometry(mesh, "mesh");
   for (const PrimitiveBvh& tree : {*make_primitive_bvh(*geometry), PrimitiveBvh(cells, 0.1)}) {
     std::vector<int> seen(tree.of_cubes() ? tree.cubes().size() : tree.triangles().size());
-    // Calls visit(corner) for the corners of all primitives below a node.
-    const std::function<void(std::uint32_t, const std::function<void(const Vector3d&)>&)> corners =
-        [&](std::uint32_t i, const auto& visit) {
-          const PrimitiveBvh::Node& node = tree.nodes()[i];
-          for (std::size_t k = node.first; k < node.first + node.size; ++k) {
+    // Calls visit(corner) for the corners of all primitives in a box.
+    const std::function<void(PrimitiveBvh::BoxNumber, const std::function<void(const Vector3d&)>&)> corners =
+        [&](PrimitiveBvh::BoxNumber box, const auto& visit) {
+          const PrimitiveBvh::Part& part = tree.part(box);
+          for (std::size_t k = part.first; k < part.first + part.size; ++k) {
             for (int c = 0; tree.of_cubes() && c < 8; ++c)
               visit(tree.cubes()[k] + 0.05 * Vector3d(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1));
             for (int c = 0; !tree.of_cubes() && c < 3; ++c) visit(tree.triangles()[k][static_cast<std::size_t>(c)]);
           }
-          if (node.size > 0) return;
-          corners(i + 1, visit);
-          corners(node.right, visit);
+          for (int i = 0; !part.has_primitives() && i < tree.nodes()[part.first].size; ++i)
+            corners(RoundedBoxes::count * part.first + static_cast<std::uint32_t>(i), visit);
         };
-    for (std::uint32_t i = 0; i < tree.nodes().size(); ++i) {
-      const PrimitiveBvh::Node& node = tree.nodes()[i];
-      for (std::size_t k = node.first; k < node.first + node.size; ++k) ++seen[k];
-      double outside = 0;
-      corners(i, [&](const Vector3d& corner) {
-        const Vector3d local = node.box.axes().transpose() * (corner - node.box.center3d());
-        outside = std::max(outside, (local.cwiseAbs() - node.box.half_extents3d()).maxCoeff());
-      });
-      BOOST_TEST(outside <= 0.0);
-    }
+    for (std::uint32_t node = 0; node < tree.nodes().size(); ++node)
+      for (int i = 0; i < tree.nodes()[node].size; ++i) {
+        const auto number = RoundedBoxes::count * node + static_cast<std::uint32_t>(i);
+        const PrimitiveBvh::Part& part = tree.part(number);
+        for (std::size_t k = part.first; k < part.first + part.size; ++k) ++seen[k];
+        const RoundedBox box = tree.box(number);
+        double outside = 0;
+        corners(number, [&](const Vector3d& corner) {
+          const Vector3d local = box.axes3d().transpose() * (corner - box.center3d());
+          outside = std::max(outside, (local.cwiseAbs() - box.half_extents3d()).maxCoeff());
+        });
+        BOOST_TEST(outside <= 0.0);
+      }
     BOOST_TEST((std::count(seen.begin(), seen.end(), 1) == static_cast<std::ptrdiff_t>(seen.size())));
   }
 }

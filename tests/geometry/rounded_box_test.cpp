@@ -39,6 +39,20 @@ double distance(const ExactBox& a, const ExactBox& b, const Eigen::Isometry3d& b
   return (of_a - b_in_a * of_b).norm();
 }
 
+RoundedBoxes four_of(const RoundedBox& box) {
+  RoundedBoxes boxes;
+  for (int i = 0; i < RoundedBoxes::count; ++i) boxes.set(i, box);
+  return boxes;
+}
+
+/// In the frame of either box: both are bounds.
+std::pair<double, double> bounds(const RoundedBox& a, const RoundedBox& b, const Eigen::Isometry3d& b_in_a) {
+  const BoxDistanceBounds distances(b_in_a, a.reach(), b.reach());
+  const RoundedBoxes of_a = four_of(a), of_b = four_of(b);
+  return {std::sqrt(distances.squared_bounds(of_a, distances.in_a(of_b))[0]),
+          std::sqrt(distances.squared_bounds(distances.in_b(of_a), of_b)[0])};
+}
+
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(a_bound_of_the_distance_of_two_boxes_is_never_above_it) {
@@ -50,17 +64,39 @@ BOOST_AUTO_TEST_CASE(a_bound_of_the_distance_of_two_boxes_is_never_above_it) {
     Eigen::Isometry3d b_in_a = Eigen::Isometry3d::Identity();
     b_in_a.linear() = ExactBox::turn(dice);
     b_in_a.translation() = scale * ExactBox::within_one(dice);
-    const RoundedBox box_a = a.rounded(), box_b = b.rounded();
-    const BoxDistanceBounds distances(b_in_a, box_a.reach(), box_b.reach());
-    const float far = std::numeric_limits<float>::infinity();
-    const double bound = std::sqrt(distances.squared_bound(box_a, distances.in_a(box_b), far));
-    const double early = std::sqrt(distances.squared_bound(box_a, distances.in_a(box_b), 0.0f));
+    const auto [in_a, in_b] = bounds(a.rounded(), b.rounded(), b_in_a);
     const double exact = distance(a, b, b_in_a);
-    BOOST_TEST((early <= bound && bound <= exact));
-    BOOST_TEST(((early > 0.0) == (bound > 0.0)));
-    apart += bound > 0.5 * exact && exact > 0.0;
+    BOOST_TEST((in_a <= exact && in_b <= exact));
+    BOOST_TEST(std::abs(in_a - in_b) <= 1e-4 * scale);
+    apart += in_a > 0.5 * exact && exact > 0.0;
   }
   BOOST_TEST(apart > 1000);
+}
+
+BOOST_AUTO_TEST_CASE(four_boxes_have_the_bounds_that_each_has_alone) {
+  Dice dice(6);
+  for (int i = 0; i < 200; ++i) {
+    Eigen::Isometry3d b_in_a = Eigen::Isometry3d::Identity();
+    b_in_a.linear() = ExactBox::turn(dice);
+    b_in_a.translation() = ExactBox::within_one(dice);
+    std::vector<RoundedBox> a, b;
+    RoundedBoxes all_a, all_b;
+    for (int k = 0; k < RoundedBoxes::count; ++k) {
+      a.push_back(ExactBox(dice, 1.0, 0.3).rounded());
+      b.push_back(ExactBox(dice, 1.0, 0.3).rounded());
+      all_a.set(k, a.back());
+      all_b.set(k, b.back());
+      BOOST_TEST((all_a[k].axes == a.back().axes && all_a[k].center == a.back().center &&
+                  all_a[k].half_extents == a.back().half_extents));
+    }
+    const BoxDistanceBounds distances(b_in_a, 3.0f, 3.0f);
+    const Eigen::Array4f found = distances.squared_bounds(all_a, distances.in_a(all_b));
+    for (int k = 0; k < RoundedBoxes::count; ++k) {
+      const auto number = static_cast<std::size_t>(k);
+      const Eigen::Array4f alone = distances.squared_bounds(four_of(a[number]), distances.in_a(all_b.repeated(k)));
+      BOOST_TEST((alone == found[k]).all());
+    }
+  }
 }
 
 BOOST_AUTO_TEST_CASE(boxes_that_overlap_by_a_hair_or_touch_are_not_apart) {
@@ -76,9 +112,7 @@ BOOST_AUTO_TEST_CASE(boxes_that_overlap_by_a_hair_or_touch_are_not_apart) {
     ExactBox in_frame = b;
     in_frame.axes = frame.linear().transpose() * b.axes;
     in_frame.middle = frame.inverse() * b.middle;
-    const RoundedBox box_a = a.rounded(), box_b = in_frame.rounded();
-    const BoxDistanceBounds distances(frame, box_a.reach(), box_b.reach());
-    BOOST_TEST(distances.squared_bound(box_a, distances.in_a(box_b), 0.0f) == 0.0f);
+    BOOST_TEST((bounds(a.rounded(), in_frame.rounded(), frame) == std::pair(0.0, 0.0)));
   }
 }
 
@@ -100,12 +134,8 @@ BOOST_AUTO_TEST_CASE(boxes_beyond_what_single_precision_holds_are_near_everythin
   const RoundedBox here(axes, Eigen::Vector3d::Zero(), one);
   for (const double far : {1e16, 1e30, 1e60, 1e300}) {
     const RoundedBox away(axes, far * one, one), large(axes, Eigen::Vector3d::Zero(), far * one);
-    const float enough = 1e30f;
-    for (const RoundedBox& box : {away, large}) {
-      const BoxDistanceBounds distances(Eigen::Isometry3d::Identity(), here.reach(), box.reach());
-      BOOST_TEST(distances.squared_bound(here, distances.in_a(box), enough) == 0.0f);
-    }
-    const BoxDistanceBounds distances(Eigen::Isometry3d(Eigen::Translation3d(far * one)), here.reach(), here.reach());
-    BOOST_TEST(distances.squared_bound(here, distances.in_a(here), enough) == 0.0f);
+    const std::pair near{0.0, 0.0};
+    for (const RoundedBox& box : {away, large}) BOOST_TEST((bounds(here, box, Eigen::Isometry3d::Identity()) == near));
+    BOOST_TEST((bounds(here, here, Eigen::Isometry3d(Eigen::Translation3d(far * one))) == near));
   }
 }

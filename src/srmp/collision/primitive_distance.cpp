@@ -194,21 +194,21 @@ double PrimitiveDistance::solid_to_primitive(const Placed& solid, const Primitiv
 
 /// Is the box around primitives farther from the solid than `limit`? A solid may be far from its own bounding box. True
 /// is proved; false may also be said of a box that is farther.
-bool PrimitiveDistance::is_beyond(const Placed& solid, const PrimitiveBvh::Node& node, const Eigen::Isometry3d& to_tree,
+bool PrimitiveDistance::is_beyond(const Placed& solid, const RoundedBox& box, const Eigen::Isometry3d& to_tree,
                                   double limit) {
   const auto distance_along = [&](const SeparatingAxes::Axis& axis) {
-    return axis.offset - support_along(axis.in_b, node.box);
+    return axis.offset - support_along(axis.in_b, box);
   };
   if (axes_.separate(limit, distance_along)) return true;
-  if (last_box_ && squared_distance(last_box_->point, node.box) <= limit * limit) return false;
+  if (last_box_ && squared_distance(last_box_->point, box) <= limit * limit) return false;
   if (!last_box_) {
-    const Eigen::Vector3d guess = to_tree.linear().transpose() * (to_tree * solid.bounds.center - node.box.center3d());
+    const Eigen::Vector3d guess = to_tree.linear().transpose() * (to_tree * solid.bounds.center - box.center3d());
     last_box_.emplace(nonzero(guess).normalized());
   }
   gjk_.count_step();
-  box_.halfSide = node.box.half_extents3d();
+  box_.halfSide = box.half_extents3d();
   gjk_.difference.set(static_cast<const coal::ShapeBase*>(solid.geometry), &box_, coal_transform(to_tree),
-                      coal::Transform3s(node.box.axes(), node.box.center3d()));
+                      coal::Transform3s(box.axes3d(), box.center3d()));
   short_gjk_.setDistanceEarlyBreak(limit + distance_tolerance);
   short_gjk_.evaluate(gjk_.difference, last_box_->ray, last_box_->vertices);
   const coal::details::GJK::Simplex& simplex = *short_gjk_.getSimplex();
@@ -220,19 +220,43 @@ bool PrimitiveDistance::is_beyond(const Placed& solid, const PrimitiveBvh::Node&
   return true;
 }
 
-/// The nearer of the two is visited first; what is too far is not visited.
-void PrimitiveDistance::push_nearer_last(const Open& one, const Open& other, double limit) {
-  const Open &far = one.squared_distance_bound > other.squared_distance_bound ? one : other,
-             &near = &far == &one ? other : one;
-  if (!(far.squared_distance_bound > limit * limit)) open_.push_back(far);
-  if (!(near.squared_distance_bound > limit * limit)) open_.push_back(near);
+/// The nearest of the node's boxes, if it is not too far; the others that are not are left for later, the nearest
+/// first. entry(box, bound) is the Open one.
+template <class Entry>
+std::optional<PrimitiveDistance::Open> PrimitiveDistance::nearest_of(const PrimitiveBvh& tree, std::uint32_t node,
+                                                                     const Eigen::Array4f& squared_bounds, double limit,
+                                                                     Entry&& entry) {
+  const std::size_t first = open_.size();
+  const auto leave = [&](const Open& one) {
+    open_.push_back(one);
+    for (std::size_t k = open_.size() - 1;
+         k > first && open_[k - 1].squared_distance_bound < one.squared_distance_bound; --k)
+      std::swap(open_[k - 1], open_[k]);
+  };
+  std::optional<Open> nearest;
+  for (int i = 0; i < tree.nodes()[node].size; ++i) {
+    const float bound = squared_bounds[i];
+    if (bound > limit * limit) continue;
+    const Open one = entry(RoundedBoxes::count * node + static_cast<std::uint32_t>(i), bound);
+    if (nearest && !(bound < nearest->squared_distance_bound)) {
+      leave(one);
+      continue;
+    }
+    if (nearest) leave(*nearest);
+    nearest = one;
+  }
+  return nearest;
 }
 
-/// The next that may be within the limit.
-std::optional<PrimitiveDistance::Open> PrimitiveDistance::pop_near(Found& found) {
+/// One more is visited.
+void PrimitiveDistance::count_box(Found& found) {
+  gjk_.count_step();
+  found.count_box();
+}
+
+/// The next that was left and may be within the limit.
+std::optional<PrimitiveDistance::Open> PrimitiveDistance::pop_near(const Found& found) {
   while (!open_.empty()) {
-    gjk_.count_step();
-    found.count_box();
     const Open next = open_.back();
     open_.pop_back();
     if (!(next.squared_distance_bound > found.limit() * found.limit())) return next;
@@ -244,6 +268,8 @@ double PrimitiveDistance::solid_to_primitives(const Placed& solid, const Placed&
   const PrimitiveBvh& tree = *other.bvh;
   const Eigen::Isometry3d to_tree = other.pose.inverse(Eigen::Isometry) * solid.pose;
   const RoundedBox box(to_tree.linear(), to_tree * solid.bounds.box_center, solid.bounds.box_half);
+  RoundedBoxes boxes;
+  for (int i = 0; i < RoundedBoxes::count; ++i) boxes.set(i, box);
   const BoxDistanceBounds distances(Eigen::Isometry3d::Identity(), tree.reach(), box.reach());
   Shape shape(tree);
   const bool by_gjk = !is_cube_and_sphere(tree, solid);
@@ -265,24 +291,25 @@ double PrimitiveDistance::solid_to_primitives(const Placed& solid, const Placed&
       return false;
     return found.add(distance, i, 0);
   };
-  const auto bound_to = [&](std::uint32_t node) {
-    return distances.squared_bound(tree.nodes()[node].box, box, static_cast<float>(found.limit() * found.limit()));
+  const auto nearest_in = [&](std::uint32_t node) {
+    return nearest_of(tree, node, distances.squared_bounds(tree.nodes()[node].boxes, boxes), found.limit(),
+                      [](PrimitiveBvh::BoxNumber number, float bound) { return Open{bound, number, 0}; });
   };
   for (const PrimitivePair& pair : query.among)
     if (add(pair.a)) break;
   open_.clear();
-  if (query.among.empty()) open_.push_back({bound_to(0), 0, 0});
-  while (const std::optional<Open> next = pop_near(found)) {
-    const double limit = found.limit();
-    const PrimitiveBvh::Node& node = tree.nodes()[next->a];
-    if (node.size == 0) {
-      if (fills_its_box_badly && node.box.half_extents.squaredNorm() < size && is_beyond(solid, node, to_tree, limit))
-        continue;
-      push_nearer_last({bound_to(next->a + 1), next->a + 1, 0}, {bound_to(node.right), node.right, 0}, limit);
-      continue;
-    }
-    for (std::size_t i = node.first; i < node.first + node.size; ++i)
+  std::optional<Open> next;
+  if (query.among.empty()) next = nearest_in(0);
+  for (; next; next = next ? next : pop_near(found)) {
+    count_box(found);
+    const PrimitiveBvh::BoxNumber number = next->a;
+    const PrimitiveBvh::Part& part = tree.part(number);
+    next.reset();
+    for (std::size_t i = part.first; i < part.first + part.size; ++i)
       if (add(i)) return found.distance();
+    if (!part.has_primitives() && !(fills_its_box_badly && tree.squared_size(number) < size &&
+                                    is_beyond(solid, tree.box(number), to_tree, found.limit())))
+      next = nearest_in(part.first);
   }
   return found.distance();
 }
@@ -311,32 +338,37 @@ double PrimitiveDistance::primitives_to_primitives(const Placed& a, const Placed
     return found.add(distance, i, j);
   };
   const BoxDistanceBounds distances(to_a, tree_a.reach(), tree_b.reach());
-  const auto box_of_b = [&](std::uint32_t j) { return distances.in_a(tree_b.nodes()[j].box); };
-  const auto entry = [&](std::uint32_t i, std::uint32_t j, const RoundedBox& b_box) {
-    const auto squared_limit = static_cast<float>(found.limit() * found.limit());
-    return Open{distances.squared_bound(tree_a.nodes()[i].box, b_box, squared_limit), i, j};
+  // Boxes of one tree beside a box of the other.
+  const auto nearest_in_a = [&](std::uint32_t node, PrimitiveBvh::BoxNumber b_box) {
+    const RoundedBoxes beside = distances.in_a(tree_b.repeated_box(b_box));
+    return nearest_of(tree_a, node, distances.squared_bounds(tree_a.nodes()[node].boxes, beside), found.limit(),
+                      [&](PrimitiveBvh::BoxNumber number, float bound) { return Open{bound, number, b_box}; });
+  };
+  const auto nearest_in_b = [&](std::uint32_t node, PrimitiveBvh::BoxNumber a_box) {
+    const RoundedBoxes beside = distances.in_b(tree_a.repeated_box(a_box));
+    return nearest_of(tree_b, node, distances.squared_bounds(beside, tree_b.nodes()[node].boxes), found.limit(),
+                      [&](PrimitiveBvh::BoxNumber number, float bound) { return Open{bound, a_box, number}; });
   };
   for (const PrimitivePair& pair : query.among)
     if (add(pair.a, pair.b)) break;
   open_.clear();
-  if (query.among.empty()) open_.push_back(entry(0, 0, box_of_b(0)));
-  while (const std::optional<Open> next = pop_near(found)) {
-    const double limit = found.limit();
-    const PrimitiveBvh::Node &node_a = tree_a.nodes()[next->a], &node_b = tree_b.nodes()[next->b];
-    const bool leaf_a = node_a.size > 0, leaf_b = node_b.size > 0;
-    if (!leaf_a && (leaf_b || node_a.box.half_extents.squaredNorm() >= node_b.box.half_extents.squaredNorm())) {
-      const RoundedBox b_box = box_of_b(next->b);
-      push_nearer_last(entry(next->a + 1, next->b, b_box), entry(node_a.right, next->b, b_box), limit);
-      continue;
+  std::optional<Open> next;
+  if (query.among.empty()) next = nearest_in_a(0, 0);
+  for (; next; next = next ? next : pop_near(found)) {
+    count_box(found);
+    const auto [bound, box_a, box_b] = *next;
+    const PrimitiveBvh::Part &part_a = tree_a.part(box_a), &part_b = tree_b.part(box_b);
+    const bool ends_a = part_a.has_primitives(), ends_b = part_b.has_primitives();
+    next.reset();
+    if (!ends_a && (ends_b || tree_a.squared_size(box_a) >= tree_b.squared_size(box_b))) {
+      next = nearest_in_a(part_a.first, box_b);
+    } else if (!ends_b) {
+      next = nearest_in_b(part_b.first, box_a);
+    } else {
+      for (std::size_t i = part_a.first; i < part_a.first + part_a.size; ++i)
+        for (std::size_t j = part_b.first; j < part_b.first + part_b.size; ++j)
+          if (add(i, j)) return found.distance();
     }
-    if (!leaf_b) {
-      push_nearer_last(entry(next->a, next->b + 1, box_of_b(next->b + 1)),
-                       entry(next->a, node_b.right, box_of_b(node_b.right)), limit);
-      continue;
-    }
-    for (std::size_t i = node_a.first; i < node_a.first + node_a.size; ++i)
-      for (std::size_t j = node_b.first; j < node_b.first + node_b.size; ++j)
-        if (add(i, j)) return found.distance();
   }
   return found.distance();
 }

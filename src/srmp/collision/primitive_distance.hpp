@@ -56,9 +56,10 @@ class PrimitiveDistance {
  private:
   class Found;
   class Shape;
+  /// Two boxes; beside a solid, `b` is 0.
   struct Open {
     float squared_distance_bound;
-    std::uint32_t a, b;
+    PrimitiveBvh::BoxNumber a, b;
   };
   /// What GJK found of a solid and a box around primitives, with which it begins at the next box.
   struct NearBox {
@@ -72,13 +73,16 @@ class PrimitiveDistance {
   void add_axis(const Eigen::Isometry3d& to_a);
   double solid_to_primitive(const Placed& solid, const PrimitiveBvh& tree, std::size_t primitive,
                             const Eigen::Isometry3d& to_tree, Shape& shape, double margin);
-  bool is_beyond(const Placed& solid, const PrimitiveBvh::Node& node, const Eigen::Isometry3d& to_tree, double limit);
+  bool is_beyond(const Placed& solid, const RoundedBox& box, const Eigen::Isometry3d& to_tree, double limit);
   bool is_kept_separated(const Eigen::Isometry3d& pose, const PlacedPrimitive& a, const PlacedPrimitive& b,
                          const StaysSeparated& stays_separated);
   double solid_to_primitives(const Placed& solid, const Placed& other, const PrimitiveQuery& query);
   double primitives_to_primitives(const Placed& a, const Placed& b, const PrimitiveQuery& query);
-  std::optional<Open> pop_near(Found& found);
-  void push_nearer_last(const Open& one, const Open& other, double limit);
+  std::optional<Open> pop_near(const Found& found);
+  void count_box(Found& found);
+  template <class Entry>
+  std::optional<Open> nearest_of(const PrimitiveBvh& tree, std::uint32_t node, const Eigen::Array4f& squared_bounds,
+                                 double limit, Entry&& entry);
 
   Gjk& gjk_;
   coal::details::GJK short_gjk_;

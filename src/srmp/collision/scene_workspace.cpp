@@ -228,7 +228,6 @@ void SceneWorkspace::start_motion(ConstVector a, ConstVector b) {
   delta_ = b - a;
   for (std::size_t i = 0; i < model_.group.continuous().size(); ++i)
     if (model_.group.continuous()[i]) delta_[i] = std::remainder(delta_[i], 2.0 * std::numbers::pi);
-  displacements_.start_straight(delta_);
 }
 
 void SceneWorkspace::start_any_motion(std::uint64_t active) { displacements_.start_any(active); }
@@ -525,6 +524,7 @@ bool SceneWorkspace::prove_with_spheres() {
 
 /// Checks the whole motion by Coal's distances.
 bool SceneWorkspace::resolve_with_coal() {
+  displacements_.start_straight(delta_);
   next_.clear();
   if (!process_whole_motion()) return false;
   std::swap(open_, next_);
@@ -536,7 +536,7 @@ bool SceneWorkspace::is_motion_free(const MotionQuery& query) {
   candidates_.clear();
   reserve_ = proof_reserve;
   close_.clear();
-  if (displacements_.active() == 0) {
+  if ((delta_.array() == 0.0).all()) {
     if (query.start_is_free) return true;
     place(start_);
     return is_free_here();
@@ -548,7 +548,10 @@ bool SceneWorkspace::is_motion_free(const MotionQuery& query) {
     return prove_with_spheres();
   }
   const CollisionStatus status = check_with_spheres();
-  if (status == CollisionStatus::undecided) return resolve_open();
+  if (status == CollisionStatus::undecided) {
+    displacements_.start_straight(delta_);
+    return resolve_open();
+  }
   ++statistics.motions_by_spheres;
   return status == CollisionStatus::free;
 }

@@ -19,29 +19,36 @@ using Boxes = coal::BVHModel<coal::OBBRSS>;
 
 }  // namespace
 
+/// A node of the hierarchy as it is built, before those of two levels become one. Its left child is the next node.
+struct PrimitiveBvh::BinaryNode {
+  RoundedBox box;
+  std::uint32_t right{};  // right child
+  Part part{};            // its primitives; none: an inner node
+};
+
 PrimitiveBvh::PrimitiveBvh(const coal::BVHModelBase& mesh) {
   const auto* boxes = dynamic_cast<const Boxes*>(&mesh);
   if (!boxes || boxes->getNumBVs() == 0) throw NotSupported("a mesh needs Coal's hierarchy of oriented boxes (OBBRSS)");
-  nodes_.reserve(boxes->getNumBVs());
+  std::vector<BinaryNode> binary;
+  binary.reserve(boxes->getNumBVs());
   triangles_.reserve(mesh.num_tris);
   const auto copy = [&](const auto& self, unsigned from) -> std::uint32_t {
     const auto& box = boxes->getBV(from);
-    const auto index = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.emplace_back();
-    set_box(index, RoundedBox(box.bv.obb.axes, box.bv.obb.To, box.bv.obb.extent));
+    const auto index = static_cast<std::uint32_t>(binary.size());
+    binary.push_back({RoundedBox(box.bv.obb.axes, box.bv.obb.To, box.bv.obb.extent)});
     if (box.isLeaf()) {
       const coal::Triangle& t = (*mesh.tri_indices)[static_cast<std::size_t>(box.primitiveId())];
-      nodes_[index].first = static_cast<std::uint32_t>(triangles_.size());
-      nodes_[index].size = 1;
+      binary[index].part = {static_cast<std::uint32_t>(triangles_.size()), 1};
       triangles_.push_back({(*mesh.vertices)[t[0]], (*mesh.vertices)[t[1]], (*mesh.vertices)[t[2]]});
       return index;
     }
     self(self, static_cast<unsigned>(box.leftChild()));
     const std::uint32_t right = self(self, static_cast<unsigned>(box.rightChild()));
-    nodes_[index].right = right;
+    binary[index].right = right;
     return index;
   };
   copy(copy, 0);
+  add_node(binary, std::array<std::uint32_t, 1>{0});
 }
 
 PrimitiveBvh::PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double edge) : edge_(edge) {
@@ -56,37 +63,64 @@ PrimitiveBvh::PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double
     const auto key = morton_key(code);
     cubes_.emplace_back((key[0] + 0.5) * edge, (key[1] + 0.5) * edge, (key[2] + 0.5) * edge);
   }
-  nodes_.reserve(codes.size());
-  build_cubes(codes, 0);
-}
-
-/// A box of fewer primitives may stick out of the one around it, so the largest reach is not always the root's.
-void PrimitiveBvh::set_box(std::uint32_t node, const RoundedBox& box) {
-  nodes_[node].box = box;
-  reach_ = std::max(reach_, box.reach());
+  std::vector<BinaryNode> binary;
+  build_cubes(codes, 0, binary);
+  add_node(binary, std::array<std::uint32_t, 1>{0});
 }
 
 /// Splits where the highest bit in which the codes differ changes: at the middle of a cell of the octree, along one
 /// axis. Returns the box around the cubes.
-Eigen::AlignedBox3d PrimitiveBvh::build_cubes(std::span<const std::uint64_t> codes, std::size_t done) {
-  const auto index = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.emplace_back();
+Eigen::AlignedBox3d PrimitiveBvh::build_cubes(std::span<const std::uint64_t> codes, std::size_t done,
+                                              std::vector<BinaryNode>& binary) const {
+  const auto index = static_cast<std::uint32_t>(binary.size());
+  binary.emplace_back();
   Eigen::AlignedBox3d extent;
   if (codes.size() <= max_cubes) {
-    nodes_[index].first = static_cast<std::uint32_t>(done);
-    nodes_[index].size = static_cast<std::uint32_t>(codes.size());
+    binary[index].part = {static_cast<std::uint32_t>(done), static_cast<std::uint32_t>(codes.size())};
     for (std::size_t i = done; i < done + codes.size(); ++i) extent.extend(cubes_[i]);
     const Eigen::Vector3d half = Eigen::Vector3d::Constant(edge_ / 2);
     extent = {extent.min() - half, extent.max() + half};
   } else {
     const std::uint64_t bit = std::bit_floor(codes.front() ^ codes.back()), border = codes.back() & ~(bit - 1);
     const auto half = static_cast<std::size_t>(std::lower_bound(codes.begin(), codes.end(), border) - codes.begin());
-    extent = build_cubes(codes.first(half), done);
-    nodes_[index].right = static_cast<std::uint32_t>(nodes_.size());
-    extent.extend(build_cubes(codes.subspan(half), done + half));
+    extent = build_cubes(codes.first(half), done, binary);
+    binary[index].right = static_cast<std::uint32_t>(binary.size());
+    extent.extend(build_cubes(codes.subspan(half), done + half, binary));
   }
-  set_box(index, RoundedBox(Eigen::Matrix3d::Identity(), extent.center(), extent.sizes() / 2));
+  binary[index].box = RoundedBox(Eigen::Matrix3d::Identity(), extent.center(), extent.sizes() / 2);
   return extent;
+}
+
+/// A node of these boxes, with all that is below them. The largest children are replaced by their own, until a node is
+/// full.
+void PrimitiveBvh::add_node(const std::vector<BinaryNode>& binary, std::span<const std::uint32_t> members) {
+  const std::size_t index = nodes_.size();
+  nodes_.emplace_back().size = static_cast<int>(members.size());
+  for (std::size_t i = 0; i < RoundedBoxes::count; ++i) {
+    const BinaryNode& member = binary[members[std::min(i, members.size() - 1)]];
+    nodes_[index].boxes.set(static_cast<int>(i), member.box);
+    nodes_[index].squared_sizes[i] = member.box.half_extents.squaredNorm();
+    // A box of fewer primitives may stick out of the one around it, so the largest reach is not always that of box 0.
+    reach_ = std::max(reach_, member.box.reach());
+  }
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    nodes_[index].parts[i] = binary[members[i]].part;
+    if (nodes_[index].parts[i].has_primitives()) continue;
+    nodes_[index].parts[i].first = static_cast<std::uint32_t>(nodes_.size());
+    std::array<std::uint32_t, RoundedBoxes::count> below{members[i] + 1, binary[members[i]].right};
+    std::size_t count = 2;
+    const auto size_of = [&](std::uint32_t k) {
+      return binary[k].part.has_primitives() ? 0.0f : binary[k].box.half_extents.squaredNorm();
+    };
+    while (count < below.size()) {
+      const auto largest = std::max_element(below.begin(), below.begin() + static_cast<std::ptrdiff_t>(count),
+                                            [&](auto a, auto b) { return size_of(a) < size_of(b); });
+      if (binary[*largest].part.has_primitives()) break;
+      below[count++] = binary[*largest].right;
+      ++*largest;
+    }
+    add_node(binary, {below.data(), count});
+  }
 }
 
 namespace {

@@ -23,12 +23,21 @@ class PrimitiveBvh {
   /// Three corners.
   using Triangle = std::array<Eigen::Vector3d, 3>;
 
-  /// A box that contains primitives. Its left child is the next node.
-  struct Node {
-    RoundedBox box;
-    std::uint32_t right{};          ///< right child
-    std::uint32_t first{}, size{};  ///< primitives of a leaf; an inner node has size 0
+  /// What a box contains: the boxes of a node, or primitives.
+  struct Part {
+    std::uint32_t first{};  ///< number of the node, or of the first primitive
+    std::uint32_t size{};   ///< primitives; 0: a node
+    bool has_primitives() const { return size > 0; }
   };
+  /// Boxes beside each other, of which each contains primitives. Those beyond `size` are the last one again.
+  struct Node {
+    RoundedBoxes boxes;
+    std::array<Part, RoundedBoxes::count> parts;
+    std::array<float, RoundedBoxes::count> squared_sizes;  ///< of half the diagonal of each box
+    int size{};
+  };
+  /// The box number RoundedBoxes::count * n + i is that of i in node n; box 0 contains all primitives.
+  using BoxNumber = std::uint32_t;
 
   /// The triangles of a mesh, in the boxes of Coal's hierarchy. Throws NotSupported unless that is of type OBBRSS.
   explicit PrimitiveBvh(const coal::BVHModelBase& mesh);
@@ -36,8 +45,13 @@ class PrimitiveBvh {
   /// once. Throws InvalidArgument when there are none.
   PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double edge);
 
-  /// The root comes first.
-  const std::vector<Node>& nodes() const { return nodes_; }
+  const std::vector<Node>& nodes() const { return nodes_; }  ///< the first one's box is box 0
+  RoundedBox box(BoxNumber number) const { return node_of(number).boxes[place_of(number)]; }
+  RoundedBoxes repeated_box(BoxNumber number) const { return node_of(number).boxes.repeated(place_of(number)); }
+  const Part& part(BoxNumber number) const { return node_of(number).parts[static_cast<std::size_t>(place_of(number))]; }
+  float squared_size(BoxNumber number) const {
+    return node_of(number).squared_sizes[static_cast<std::size_t>(place_of(number))];
+  }
   const std::vector<Triangle>& triangles() const { return triangles_; }  ///< empty for cubes
   const std::vector<Eigen::Vector3d>& cubes() const { return cubes_; }   ///< centres; empty for triangles
   double edge() const { return edge_; }                                  ///< edge length of a cube
@@ -46,8 +60,13 @@ class PrimitiveBvh {
   bool of_cubes() const { return triangles_.empty(); }
 
  private:
-  void set_box(std::uint32_t node, const RoundedBox& box);
-  Eigen::AlignedBox3d build_cubes(std::span<const std::uint64_t> codes, std::size_t done);
+  struct BinaryNode;
+
+  const Node& node_of(BoxNumber number) const { return nodes_[number / RoundedBoxes::count]; }
+  static int place_of(BoxNumber number) { return static_cast<int>(number % RoundedBoxes::count); }
+  Eigen::AlignedBox3d build_cubes(std::span<const std::uint64_t> codes, std::size_t done,
+                                  std::vector<BinaryNode>& binary) const;
+  void add_node(const std::vector<BinaryNode>& binary, std::span<const std::uint32_t> members);
 
   std::vector<Node> nodes_;
   std::vector<Triangle> triangles_;

@@ -7,19 +7,32 @@
 namespace srmp {
 
 /// A box in single precision, enlarged by more than it was rounded: for bounds of many distances. It contains the
-/// original, and its edges are orthogonal to about 1e-7. Fourth components are 0; they fill the registers.
+/// original, and its edges are orthogonal to about 1e-7.
 struct RoundedBox {
-  std::array<Eigen::Vector4f, 3> rows;  ///< of the matrix whose columns are the directions of the edges
-  Eigen::Vector4f center, half_extents;
+  Eigen::Matrix3f axes;  ///< columns: the directions of the edges
+  Eigen::Vector3f center, half_extents;
 
   RoundedBox() = default;
   RoundedBox(const Eigen::Matrix3d& axes, const Eigen::Vector3d& center, const Eigen::Vector3d& half_extents);
 
-  Eigen::Matrix3d axes() const;
-  Eigen::Vector3d center3d() const { return center.head<3>().cast<double>(); }
-  Eigen::Vector3d half_extents3d() const { return half_extents.head<3>().cast<double>(); }
+  Eigen::Matrix3d axes3d() const { return axes.cast<double>(); }
+  Eigen::Vector3d center3d() const { return center.cast<double>(); }
+  Eigen::Vector3d half_extents3d() const { return half_extents.cast<double>(); }
   /// No point of the box is farther from the origin [m].
   float reach() const { return center.norm() + half_extents.norm(); }
+};
+
+/// Four boxes, component by component: what is computed for all of them takes as many instructions as for one.
+struct RoundedBoxes {
+  static constexpr int count = 4;
+
+  std::array<std::array<Eigen::Array4f, 3>, 3> axes;  ///< [k][i]: component k of the direction of edge i
+  std::array<Eigen::Array4f, 3> center, half_extents;
+
+  RoundedBox operator[](int i) const;
+  void set(int i, const RoundedBox& box);
+  /// One of them, four times.
+  RoundedBoxes repeated(int i) const;
 };
 
 /// The largest product of a point of the box with the direction.
@@ -34,55 +47,104 @@ class BoxDistanceBounds {
   /// frame.
   BoxDistanceBounds(const Eigen::Isometry3d& b_to_a, float reach_of_a, float reach_of_b);
 
-  /// The second box in the first one's frame.
-  RoundedBox in_a(const RoundedBox& b) const;
-  /// A lower bound of the squared distance [m^2], rounding included. Separating axes: the edges of b first; where they
-  /// give more than `enough`, those of a are not tried.
-  float squared_bound(const RoundedBox& a, const RoundedBox& b_in_a, float enough) const;
+  /// The second boxes in the frame of the first ones.
+  RoundedBoxes in_a(const RoundedBoxes& b) const;
+  /// The first boxes in the frame of the second ones.
+  RoundedBoxes in_b(const RoundedBoxes& a) const;
+  /// Lower bounds of the squared distances [m^2] of each first box to the second one beside it, given in one frame;
+  /// rounding included. Separating axes: the edges of either box.
+  Eigen::Array4f squared_bounds(const RoundedBoxes& a, const RoundedBoxes& b) const;
 
  private:
-  std::array<Eigen::Vector4f, 3> rows_, columns_;  // of the rotation
-  Eigen::Vector4f offset_;
+  Eigen::Matrix3f rotation_, inverse_;
+  Eigen::Vector3f offset_;
   float rounding_;  // more than all that is rounded can change a distance [m]
 };
 
-namespace detail {
-
-/// The sum of the vectors, each times a component.
-inline Eigen::Vector4f linear_combination(const std::array<Eigen::Vector4f, 3>& vectors,
-                                          const Eigen::Vector4f& factors) {
-  return vectors[0] * factors[0] + vectors[1] * factors[1] + vectors[2] * factors[2];
+inline RoundedBox RoundedBoxes::operator[](int i) const {
+  RoundedBox box;
+  for (int k = 0; k < 3; ++k) {
+    const auto component = static_cast<std::size_t>(k);
+    for (int edge = 0; edge < 3; ++edge) box.axes(k, edge) = axes[component][static_cast<std::size_t>(edge)][i];
+    box.center[k] = center[component][i];
+    box.half_extents[k] = half_extents[component][i];
+  }
+  return box;
 }
 
-inline float squared_length_outside(const Eigen::Vector4f& offset, const Eigen::Vector4f& extents, float rounding) {
-  return (offset.cwiseAbs() - extents - Eigen::Vector4f::Constant(rounding)).cwiseMax(0.0f).squaredNorm();
+inline void RoundedBoxes::set(int i, const RoundedBox& box) {
+  for (int k = 0; k < 3; ++k) {
+    const auto component = static_cast<std::size_t>(k);
+    for (int edge = 0; edge < 3; ++edge) axes[component][static_cast<std::size_t>(edge)][i] = box.axes(k, edge);
+    center[component][i] = box.center[k];
+    half_extents[component][i] = box.half_extents[k];
+  }
+}
+
+inline RoundedBoxes RoundedBoxes::repeated(int i) const {
+  RoundedBoxes one;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t edge = 0; edge < 3; ++edge) one.axes[k][edge] = Eigen::Array4f::Constant(axes[k][edge][i]);
+    one.center[k] = Eigen::Array4f::Constant(center[k][i]);
+    one.half_extents[k] = Eigen::Array4f::Constant(half_extents[k][i]);
+  }
+  return one;
+}
+
+namespace detail {
+
+using Vectors = std::array<Eigen::Array4f, 3>;  // four, component by component
+
+/// Turned, with other centres: `center` turned too. Not a product of matrices, which uses fused multiply-adds where
+/// there are, so that the bits would differ.
+inline RoundedBoxes turned(const RoundedBoxes& boxes, const Vectors& center, const Eigen::Matrix3f& rotation) {
+  RoundedBoxes result;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const float x = rotation(row, 0), y = rotation(row, 1), z = rotation(row, 2);
+    for (std::size_t i = 0; i < 3; ++i)
+      result.axes[k][i] = x * boxes.axes[0][i] + y * boxes.axes[1][i] + z * boxes.axes[2][i];
+    result.center[k] = x * center[0] + y * center[1] + z * center[2];
+  }
+  result.half_extents = boxes.half_extents;
+  return result;
 }
 
 }  // namespace detail
 
-inline RoundedBox BoxDistanceBounds::in_a(const RoundedBox& b) const {
-  RoundedBox box;
-  for (std::size_t i = 0; i < 3; ++i) box.rows[i] = detail::linear_combination(b.rows, rows_[i]);
-  box.center = detail::linear_combination(columns_, b.center) + offset_;
-  box.half_extents = b.half_extents;
-  return box;
+inline RoundedBoxes BoxDistanceBounds::in_a(const RoundedBoxes& b) const {
+  RoundedBoxes boxes = detail::turned(b, b.center, rotation_);
+  for (std::size_t k = 0; k < 3; ++k) boxes.center[k] += offset_[static_cast<Eigen::Index>(k)];
+  return boxes;
 }
 
-inline float BoxDistanceBounds::squared_bound(const RoundedBox& a, const RoundedBox& b, float enough) const {
-  const Eigen::Vector4f offset = b.center - a.center;
-  // Column i: the edges of b along edge i of a. No products of matrices: they use fused multiply-adds where there are.
-  Eigen::Matrix4f cosines = Eigen::Matrix4f::Zero();
-  for (int i = 0; i < 3; ++i)
-    cosines.col(i) = (b.rows[0] * a.rows[0][i] + b.rows[1] * a.rows[1][i] + b.rows[2] * a.rows[2][i]).cwiseAbs();
-  const auto along = [&](const Eigen::Vector4f& half_extents) -> Eigen::Vector4f {
-    return cosines.col(0) * half_extents[0] + cosines.col(1) * half_extents[1] + cosines.col(2) * half_extents[2];
+inline RoundedBoxes BoxDistanceBounds::in_b(const RoundedBoxes& a) const {
+  return detail::turned(a, {a.center[0] - offset_[0], a.center[1] - offset_[1], a.center[2] - offset_[2]}, inverse_);
+}
+
+inline Eigen::Array4f BoxDistanceBounds::squared_bounds(const RoundedBoxes& a, const RoundedBoxes& b) const {
+  using Eigen::Array4f;
+  const Array4f rounding = Array4f::Constant(rounding_), zero = Array4f::Zero();
+  const detail::Vectors offset{b.center[0] - a.center[0], b.center[1] - a.center[1], b.center[2] - a.center[2]};
+  const auto outside = [&](const RoundedBoxes& boxes, std::size_t edge, const Array4f& reach) -> Array4f {
+    const Array4f along =
+        boxes.axes[0][edge] * offset[0] + boxes.axes[1][edge] * offset[1] + boxes.axes[2][edge] * offset[2];
+    return (along.abs() - (reach + rounding)).max(zero).square();
   };
-  const float along_b = detail::squared_length_outside(detail::linear_combination(b.rows, offset),
-                                                       b.half_extents + along(a.half_extents), rounding_);
-  if (along_b > enough) return along_b;
-  cosines.transposeInPlace();
-  return std::max(along_b, detail::squared_length_outside(detail::linear_combination(a.rows, offset),
-                                                          a.half_extents + along(b.half_extents), rounding_));
+  Array4f along_a = zero;                    // squared distances
+  detail::Vectors reach_b = b.half_extents;  // how far either box reaches along an edge of b
+  for (std::size_t i = 0; i < 3; ++i) {
+    Array4f reach_a = a.half_extents[i];
+    for (std::size_t j = 0; j < 3; ++j) {
+      const Array4f cosine =
+          (a.axes[0][i] * b.axes[0][j] + a.axes[1][i] * b.axes[1][j] + a.axes[2][i] * b.axes[2][j]).abs();
+      reach_a += cosine * b.half_extents[j];
+      reach_b[j] += cosine * a.half_extents[i];
+    }
+    along_a += outside(a, i, reach_a);
+  }
+  const Array4f along_b = outside(b, 0, reach_b[0]) + outside(b, 1, reach_b[1]) + outside(b, 2, reach_b[2]);
+  return along_a.max(along_b);
 }
 
 }  // namespace srmp

@@ -46,6 +46,12 @@ struct Interval {
   double t, half;
 };
 
+/// The full turns nearest to an angle [rad].
+double whole_turns(double angle) {
+  constexpr double turn = 2 * std::numbers::pi;
+  return std::abs(angle) < 3.0 ? 0.0 : turn * std::nearbyint(angle / turn);  // mostly there are none
+}
+
 /// The first intervals of a motion are checked in rounds, one of each of its parts, from its end, so that collisions
 /// show early. AVX2 checks a round at a time.
 constexpr int kParts = 8;
@@ -205,8 +211,7 @@ class BatchChecker::Workspace {
       const BatchActuatedJoint& actuated = impl.robot->actuated_joints[k];
       start[k] = actuated.ratio * a[actuated.joint] + actuated.offset;
       delta[k] = actuated.ratio * difference[actuated.joint];
-      constexpr double turn = 2 * std::numbers::pi;
-      if (!actuated.prismatic) start[k] -= turn * std::nearbyint((start[k] + 0.5 * delta[k]) / turn);
+      if (!actuated.prismatic) start[k] -= whole_turns(start[k] + 0.5 * delta[k]);
     }
   }
 
@@ -272,8 +277,7 @@ BatchChecker::Lanes BatchChecker::check_block(std::span<const double> configurat
     const BatchActuatedJoint& actuated = impl_->robot->actuated_joints[k];
     for (std::size_t i = 0; i < kLanes; ++i) {
       double value = actuated.ratio * configurations[std::min(i, count - 1) * n + actuated.joint] + actuated.offset;
-      constexpr double turn = 2 * std::numbers::pi;
-      if (!actuated.prismatic) value -= turn * std::nearbyint(value / turn);
+      if (!actuated.prismatic) value -= whole_turns(value);
       w.values[k * kLanes + i] = static_cast<float>(value);
     }
   }
