@@ -123,6 +123,39 @@ BOOST_AUTO_TEST_CASE(a_table_knows_meshes_that_turn_beside_each_other) {
   }
 }
 
+BOOST_AUTO_TEST_CASE(a_range_is_free_where_all_of_its_cells_are) {
+  Dice dice(3);
+  constexpr double cell = 2 * M_PI / PairTable::cells;
+  int free = 0;
+  for (const int joints : {1, 2})
+    for (int k = 0; k < amount(3000); ++k) {
+      PairTable table{0, 1, {0, joints == 2 ? 1 : -1}, {}};
+      const int rows = joints == 2 ? PairTable::cells : 1;
+      table.free.assign(static_cast<std::size_t>(rows) * PairTable::cells / 64, ~std::uint64_t{0});
+      std::array<int, 2> first{}, last{}, hole{};  // cells
+      std::array<double, 2> low{}, high{};
+      for (std::size_t i = 0; i < 2; ++i) {
+        first[i] = static_cast<int>(dice.in(-600, 600));
+        last[i] = first[i] + static_cast<int>(dice.in(0, k % 5 ? 20 : 300));
+        hole[i] = static_cast<int>(dice.in(first[i] - 30, last[i] + 30));
+        low[i] = (first[i] + 0.5) * cell;
+        high[i] = (last[i] + 0.5) * cell;
+      }
+      const auto wrapped = [](int number) { return static_cast<std::size_t>(number & (PairTable::cells - 1)); };
+      const std::size_t bit = (joints == 2 ? wrapped(hole[1]) * PairTable::cells : 0) + wrapped(hole[0]);
+      table.free[bit / 64] &= ~(std::uint64_t{1} << bit % 64);
+      const auto touches = [&](std::size_t i) {
+        for (int c = first[i]; c <= last[i]; ++c)
+          if (wrapped(c) == wrapped(hole[i])) return true;
+        return false;
+      };
+      const bool expected = !(touches(0) && (joints == 1 || touches(1)));
+      BOOST_REQUIRE(table.is_free(low, high) == expected);
+      free += expected;
+    }
+  BOOST_TEST((free > amount(1000) && free < amount(5000)), free);
+}
+
 BOOST_AUTO_TEST_CASE(checkers_with_tables_give_the_same_results) {
   const TemporaryDirectory directory;
   const auto robot = irons(directory);

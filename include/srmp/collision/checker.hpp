@@ -77,7 +77,7 @@ struct CheckStatistics {
   std::uint64_t motions_by_spheres{};  ///< of the motions, decided by spheres alone
   std::uint64_t blocks{};              ///< of up to 16 configurations under spheres
   std::uint64_t undecided{};           ///< pairs, over a part of a motion, that spheres left to Coal
-  std::uint64_t by_tables{};           ///< of those, decided by the pair's table
+  std::uint64_t by_tables{};           ///< pairs, over a motion or a part of it, that their tables decided
   std::uint64_t narrow_phase{};        ///< pairs that Coal decided
 };
 

@@ -21,9 +21,8 @@ using namespace detail;
 namespace {
 
 constexpr std::string_view extension = ".pairs";
-constexpr std::uint64_t table_version = 4;   // raise when the same pair gets another table, or the layout changes
-constexpr int coarsest = 32;                 // cells along an edge of the blocks that are tried first
-constexpr int max_distance_checks = 60'000;  // of a pair; then the rest is not proved
+constexpr std::uint64_t table_version = 5;  // raise when the same pair gets another table, or the layout changes
+constexpr int coarsest = 32;                // cells along an edge of the blocks that are tried first
 constexpr double turn = 2 * std::numbers::pi;
 
 int cell_of(double angle) { return static_cast<int>(std::floor(angle / turn * PairTable::cells)); }
@@ -94,7 +93,6 @@ class TableBuilder {
 
   void prove(PairTable& table, int first, int second, int edge) {
     interruption_point();
-    if (++distance_checks_ > max_distance_checks) return;
     const int rows = std::min(edge, rows_);
     if (apart(first + 0.5 * edge, second + 0.5 * rows, 0.5 * edge)) {
       for (int y = second; y < second + rows; ++y)
@@ -174,7 +172,7 @@ class TableBuilder {
   RobotDataPtr data_;
   Eigen::VectorXd q_;
   FormulaTable formulas_;
-  int formula_{-1}, rows_{}, distance_checks_{};
+  int formula_{-1}, rows_{};
   std::optional<NarrowPhase> narrow_;
 };
 
@@ -287,11 +285,17 @@ bool PairTable::is_free(const std::array<double, 2>& low, const std::array<doubl
   };
   int x = 0, y = 0;
   const int width = span(0, x), height = rows == 1 ? 1 : span(1, y);
-  for (int j = 0; j < height; ++j)
-    for (int i = 0; i < width; ++i) {
-      const auto bit = static_cast<std::size_t>((rows == 1 ? 0 : wrapped(y + j)) * cells + wrapped(x + i));
-      if (!(free[bit / 64] >> bit % 64 & 1)) return false;
-    }
+  constexpr std::size_t words = cells / 64;  // of a row
+  std::array<std::uint64_t, words> touched{};
+  for (int i = 0; i < width; ++i) {
+    const auto bit = static_cast<std::size_t>(wrapped(x + i));
+    touched[bit / 64] |= std::uint64_t{1} << bit % 64;
+  }
+  for (int j = 0; j < height; ++j) {
+    const std::uint64_t* row = free.data() + words * static_cast<std::size_t>(rows == 1 ? 0 : wrapped(y + j));
+    for (std::size_t k = 0; k < words; ++k)
+      if (touched[k] & ~row[k]) return false;
+  }
   return true;
 }
 

@@ -22,6 +22,9 @@ constexpr std::size_t max_stored_candidates = 1 << 20;  // of one motion: furthe
 constexpr int max_parts = 16;
 constexpr int samples_per_deadline_check = 32;
 
+/// Of a motion, for tables of pairs where they do not prove it as a whole.
+constexpr int table_parts = 8;
+
 /// A level of more intervals than this is not resolved as one.
 constexpr std::size_t many_intervals = 32;
 
@@ -31,14 +34,16 @@ constexpr std::size_t many_intervals = 32;
 constexpr double proof_reserve = PairTable::reserve;
 static_assert(proof_reserve >= Checker::motion_floor + 2.5 * NarrowPhase::tolerance);
 
-/// Does the pair's table prove the two apart from a to b? Angles may have any value.
-bool is_free_by_table(const Pair& pair, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+/// Does the pair's table prove the two apart on this part of a straight motion? Angles may have any value.
+bool is_free_by_table(const Pair& pair, const Eigen::VectorXd& start, const Eigen::VectorXd& delta, double from,
+                      double to) {
   std::array<double, 2> low{}, high{};
   for (std::size_t i = 0; i < 2; ++i) {
     if (pair.table->joints[i] < 0) continue;
     const auto joint = static_cast<Eigen::Index>(pair.first_joint) + pair.table->joints[i];
-    low[i] = std::min(a[joint], b[joint]) - 1e-9;
-    high[i] = std::max(a[joint], b[joint]) + 1e-9;
+    const double a = start[joint] + from * delta[joint], b = start[joint] + to * delta[joint];
+    low[i] = std::min(a, b) - 1e-9;
+    high[i] = std::max(a, b) + 1e-9;
     if (!(std::abs(low[i]) < 1e3 && std::abs(high[i]) < 1e3)) return false;
   }
   return pair.table->is_free(low, high);
@@ -188,14 +193,14 @@ Separation SceneWorkspace::separate(const Pair& pair, double margin) {
 /// Does the pair's table prove the two apart over this part of the motion?
 bool SceneWorkspace::table_proves(const Pair& pair, double from, double to) {
   if (!pair.table) return false;
-  const bool proved = is_free_by_table(pair, start_ + from * delta_, start_ + to * delta_);
+  const bool proved = is_free_by_table(pair, start_, delta_, from, to);
   statistics.by_tables += proved;
   return proved;
 }
 
 bool SceneWorkspace::in_contact(const Pair& pair, const ContactOptions& options) {
   if (distance_bound(pair) > pair.padding + NarrowPhase::tolerance) return false;
-  if (pair.table && options.use_tables && is_free_by_table(pair, here_, here_)) return false;
+  if (pair.table && options.use_tables && is_free_by_table(pair, here_, here_, 0.0, 0.0)) return false;
   if (!pair.solid && hull_distance(pair, pair.padding + NarrowPhase::tolerance, infinity) == infinity) return false;
   return distance(pair, pair.padding, pair.padding + NarrowPhase::contact_distance) < infinity;
 }
@@ -484,15 +489,49 @@ bool SceneWorkspace::resolve_close() {
   });
 }
 
-/// Checks the motion with the spheres; the pairs that they leave undecided go to open_.
+/// Checks the motion with the spheres, and with tables where these decide sooner; the pairs that are left undecided go
+/// to open_.
 CollisionStatus SceneWorkspace::check_with_spheres() {
   const BatchChecker& batch = *model_.batch;
   const std::uint64_t blocks = batch.statistics(*batch_).blocks;
-  const CollisionStatus status = batch.motion(as_span(start_), as_span(delta_), *batch_, model_.batch_options);
-  statistics.blocks += batch.statistics(*batch_).blocks - blocks;
   open_.clear();
+  CollisionStatus status = batch.motion(as_span(start_), as_span(delta_), *batch_, model_.batch_options);
+  if (status == CollisionStatus::undecided) open_undecided();
+  if (status != CollisionStatus::colliding && deferred_are_open()) {
+    const CollisionStatus of_deferred =
+        batch.motion_of_pairs(as_span(start_), as_span(delta_), *batch_, model_.batch_options, open_deferred_);
+    if (of_deferred == CollisionStatus::undecided) open_undecided();
+    if (of_deferred != CollisionStatus::free) status = of_deferred;
+  }
+  statistics.blocks += batch.statistics(*batch_).blocks - blocks;
   if (status != CollisionStatus::undecided) return status;
-  // One interval a pair, from the first to the last that is open: Coal proves a long one as readily as a short one.
+  return open_.empty() ? CollisionStatus::free : status;
+}
+
+/// Are there deferred pairs that their tables do not prove free on the whole motion? They are then in open_deferred_.
+bool SceneWorkspace::deferred_are_open() {
+  open_deferred_.clear();
+  const auto is_free = [&](std::uint32_t pair) {
+    const auto proves = [&](int part, int parts) {
+      return is_free_by_table(bodies_.pairs[pair], start_, delta_, static_cast<double>(part) / parts,
+                              static_cast<double>(part + 1) / parts);
+    };
+    bool proved = proves(0, 1);
+    for (int part = 0; !proved && proves(part, table_parts); ++part)  // together smaller than the whole
+      proved = part == table_parts - 1;
+    statistics.by_tables += proved;
+    return proved;
+  };
+  for (const int pair : model_.batch_scene.deferred)
+    if (!std::ranges::all_of(model_.pairs_of({.self = true, .pair = pair}), is_free)) open_deferred_.push_back(pair);
+  return !open_deferred_.empty();
+}
+
+/// The pairs that the spheres left undecided go to open_, one interval each, from the first to the last that is open:
+/// Coal proves a long one as readily as a short one.
+void SceneWorkspace::open_undecided() {
+  const BatchChecker& batch = *model_.batch;
+  const std::size_t first = open_.size();
   for (const UndecidedPair& u : batch.undecided(*batch_))
     for (std::uint32_t pair : model_.pairs_of(u)) {
       if (table_proves(bodies_.pairs[pair], u.t - u.half, u.t + u.half)) continue;
@@ -503,7 +542,7 @@ CollisionStatus SceneWorkspace::check_with_spheres() {
       }
       high = u.t + u.half;
     }
-  for (Interval& interval : open_) {
+  for (Interval& interval : std::span(open_).subspan(first)) {
     auto& [low, high] = span_of_[interval.pair];
     interval.t = (low + high) / 2;
     interval.half_width = (high - low) / 2;
@@ -511,7 +550,6 @@ CollisionStatus SceneWorkspace::check_with_spheres() {
     high = 0.0;
   }
   statistics.undecided += batch.undecided(*batch_).size();
-  return open_.empty() ? CollisionStatus::free : status;
 }
 
 /// Do the spheres alone prove the motion free?

@@ -112,24 +112,27 @@ class BatchChecker::Workspace {
   int hit_count{};
   BatchStatistics statistics;
 
+  enum class Pairs { all, not_deferred, open };
   struct RunOptions {
     bool moving{};  // within the half widths; false: exactly at the values
     bool proofs_only{};
     unsigned decisive{};
-    bool open_pairs_only{};
+    Pairs pairs{Pairs::all};
     std::size_t used{kLanes};  // lanes that are not copies of the one before
   };
   batch::KernelResult run(const BatchModel& impl, const RunOptions& options) {
     ++statistics.blocks;
     batch::KernelResult result{0, 0, {}, pair_lanes.data(), undecided_pairs.data(), 0};
-    const bool looks_for_hits = options.moving && !options.proofs_only;
+    const bool looks_for_hits = options.moving && !options.proofs_only, only_open = options.pairs == Pairs::open;
+    const char* without_deferred =
+        options.pairs == Pairs::not_deferred && !impl.not_deferred.empty() ? impl.not_deferred.data() : nullptr;
     const batch::KernelRequest request{values.get(),
                                        options.moving ? half_widths.get() : nullptr,
                                        !options.moving,
                                        options.proofs_only,
                                        static_cast<batch::LaneMask>(options.decisive),
-                                       options.open_pairs_only ? is_open.data() : nullptr,
-                                       options.open_pairs_only ? is_open_body.data() : nullptr,
+                                       only_open ? is_open.data() : without_deferred,
+                                       only_open ? is_open_body.data() : nullptr,
                                        hits.data(),
                                        looks_for_hits ? hit_count : 0,
                                        static_cast<int>(options.used)};
@@ -316,16 +319,37 @@ CollisionStatus BatchChecker::motion(std::span<const double> a, std::span<const 
                                      const MotionOptions& options) const {
   begin_motion(a, difference, w, options);
   w.next_open_pairs.clear();
+  return check_levels(w, options, false);
+}
+
+CollisionStatus BatchChecker::motion_of_pairs(std::span<const double> a, std::span<const double> difference,
+                                              Workspace& w, const MotionOptions& options,
+                                              std::span<const int> self_pairs) const {
+  begin_motion(a, difference, w, options);
+  w.next_open_pairs.clear();
+  for (const int pair : self_pairs) {
+    if (pair < 0 || pair >= w.view.self_pair_count)
+      throw InvalidArgument("batch checker: there is no self pair " + std::to_string(pair) + "; there are " +
+                            std::to_string(w.view.self_pair_count));
+    w.next_open_pairs.push_back({w.view.pair_count + pair, -1});
+  }
+  return check_levels(w, options, true);
+}
+
+/// Of the motion that begin_motion set up: of all pairs that are not deferred, or of those in next_open_pairs.
+CollisionStatus BatchChecker::check_levels(Workspace& w, const MotionOptions& options, bool only_open) const {
   int blocks = 0;
   for (int level = 0; !w.open.empty(); ++level) {
     w.next.clear();
-    if (level > 0) w.begin_level();
+    only_open |= level > 0;
+    if (only_open) w.begin_level();
     const bool last = level >= options.refinements || blocks >= options.max_blocks;
     for (std::size_t first = 0; first < w.open.size(); first += kLanes) {
       const std::size_t count = w.set_lanes(std::span(w.open).subspan(first));
       const unsigned used = (1u << count) - 1;
       ++blocks;
-      const batch::KernelResult result = w.run(*impl_, {.moving = true, .open_pairs_only = level > 0, .used = count});
+      const auto pairs = only_open ? Workspace::Pairs::open : Workspace::Pairs::not_deferred;
+      const batch::KernelResult result = w.run(*impl_, {.moving = true, .pairs = pairs, .used = count});
       if (result.colliding) {
         w.forget(result);
         w.undecided.clear();

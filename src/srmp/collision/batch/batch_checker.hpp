@@ -79,13 +79,14 @@ class BatchChecker {
   Lanes check_block(std::span<const double> configurations, Workspace& workspace,
                     const BlockOptions& options = {}) const;
 
-  /// Checks the straight motion from a by `difference` (joint space) in one block: 16 equal intervals.
+  /// Checks the straight motion from a by `difference` (joint space) in one block: 16 equal intervals. Without deferred
+  /// pairs.
   CollisionStatus motion_block(std::span<const double> a, std::span<const double> difference,
                                Workspace& workspace) const;
 
   /// Checks it in as many blocks as it takes: intervals are so short that no point moves more than about `step` [m]
   /// within half of one; undecided intervals are subdivided into four, up to `refinements` times. The lanes of a block
-  /// are spread over the motion.
+  /// are spread over the motion. Without deferred pairs.
   struct MotionOptions {
     double step{0.02};
     int refinements{2};
@@ -93,10 +94,13 @@ class BatchChecker {
   };
   CollisionStatus motion(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
                          const MotionOptions& options) const;
+  /// The same with these self pairs alone.
+  CollisionStatus motion_of_pairs(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
+                                  const MotionOptions& options, std::span<const int> self_pairs) const;
 
-  /// Is the motion proved free, by the same intervals? Ends at the first one that cannot be, without finding out
-  /// whether it is undecided or collides. After max_blocks an interval is subdivided once at most, whereas motion()
-  /// ends with its current level: only there one of the two may prove what the other does not.
+  /// Is the motion proved free, by the same intervals, with all pairs? Ends at the first one that cannot be, without
+  /// finding out whether it is undecided or collides. After max_blocks an interval is subdivided once at most, whereas
+  /// motion() ends with its current level: only there one of the two may prove what the other does not.
   bool proves_free(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
                    const MotionOptions& options) const;
 
@@ -115,6 +119,7 @@ class BatchChecker {
  private:
   void begin_motion(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
                     const MotionOptions& options) const;
+  CollisionStatus check_levels(Workspace& workspace, const MotionOptions& options, bool only_open) const;
 
   std::unique_ptr<const BatchModel> impl_;
 };

@@ -55,6 +55,8 @@ struct BatchSelfPair {
   int a{}, b{};  ///< bodies
   double padding{0.0};
   bool exact{true};  ///< false: a hit proves nothing
+  /// Motions are checked without it, then with it alone where that is asked for: something else decides it sooner.
+  bool deferred{false};
 };
 
 /// Bodies, and the actuated joints that carry them.

@@ -115,6 +115,10 @@ void BatchModel::add_all_pairs(const BatchPairs& pairs) {
     throw InvalidArgument("batch checker: there are more than 4 million pairs");
   add_pairs(pairs);
   for (const BatchSelfPair& pair : pairs.self_pairs) add_self_pair(pair);
+  if (std::ranges::none_of(pairs.self_pairs, &BatchSelfPair::deferred)) return;
+  not_deferred.assign(pair_obstacles.size() + self_pairs.size(), 1);
+  for (std::size_t i = 0; i < self_pairs.size(); ++i)
+    not_deferred[pair_obstacles.size() + i] = !pairs.self_pairs[i].deferred;
 }
 
 void BatchModel::require_valid(const BatchPairs& pairs) const {

@@ -29,6 +29,7 @@ struct BatchModel {
   std::vector<int> pair_obstacles, pair_ids;
   std::vector<float> pair_boxes;
   std::vector<batch::KernelSelfPair> self_pairs;
+  std::vector<char> not_deferred;  // by number of a pair, of obstacles and then of bodies; empty: none is deferred
 
   batch::KernelModel view() const {
     return {robot->nodes.data(),
