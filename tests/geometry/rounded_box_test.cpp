@@ -39,16 +39,10 @@ double distance(const ExactBox& a, const ExactBox& b, const Eigen::Isometry3d& b
   return (of_a - b_in_a * of_b).norm();
 }
 
-RoundedBoxes four_of(const RoundedBox& box) {
-  RoundedBoxes boxes;
-  for (int i = 0; i < RoundedBoxes::count; ++i) boxes.set(i, box);
-  return boxes;
-}
-
 /// In the frame of either box: both are bounds.
 std::pair<double, double> bounds(const RoundedBox& a, const RoundedBox& b, const Eigen::Isometry3d& b_in_a) {
   const BoxDistanceBounds distances(b_in_a, a.reach(), b.reach());
-  const RoundedBoxes of_a = four_of(a), of_b = four_of(b);
+  const RoundedBoxes of_a(a), of_b(b);
   return {std::sqrt(distances.squared_bounds(of_a, distances.in_a(of_b))[0]),
           std::sqrt(distances.squared_bounds(distances.in_b(of_a), of_b)[0])};
 }
@@ -93,7 +87,7 @@ BOOST_AUTO_TEST_CASE(four_boxes_have_the_bounds_that_each_has_alone) {
     const Eigen::Array4f found = distances.squared_bounds(all_a, distances.in_a(all_b));
     for (int k = 0; k < RoundedBoxes::count; ++k) {
       const auto number = static_cast<std::size_t>(k);
-      const Eigen::Array4f alone = distances.squared_bounds(four_of(a[number]), distances.in_a(all_b.repeated(k)));
+      const Eigen::Array4f alone = distances.squared_bounds(RoundedBoxes(a[number]), distances.in_a(all_b.repeated(k)));
       BOOST_TEST((alone == found[k]).all());
     }
   }

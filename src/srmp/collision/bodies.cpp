@@ -329,6 +329,19 @@ Pair Bodies::pair_of(const PairSide& a, std::size_t ia, const PairSide& b, bool 
   return pair;
 }
 
+bool Pair::is_free_by_table(const Eigen::VectorXd& start, const Eigen::VectorXd& delta, double from, double to) const {
+  std::array<double, 2> low{}, high{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (table->joints[i] < 0) continue;
+    const auto joint = static_cast<Eigen::Index>(first_joint) + table->joints[i];
+    const double a = start[joint] + from * delta[joint], b = start[joint] + to * delta[joint];
+    low[i] = std::min(a, b) - 1e-9;
+    high[i] = std::max(a, b) + 1e-9;
+    if (!(std::abs(low[i]) < 1e3 && std::abs(high[i]) < 1e3)) return false;
+  }
+  return table->is_free(low, high);
+}
+
 void Bodies::add(const Pair& pair) { (pair.table && pair.table->never_collide() ? apart : pairs).push_back(pair); }
 
 void Bodies::number_pairs() {

@@ -37,6 +37,9 @@ struct Pair {
   std::uint64_t support() const { return support_a | support_b; }
   /// Does it depend on some, and on these alone?
   bool depends_only_on(std::uint64_t joints) const { return support() != 0 && (support() & ~joints) == 0; }
+  /// Does its table, which there is, prove the two apart between `from` and `to` of the straight motion by `delta`?
+  /// Angles may have any value.
+  bool is_free_by_table(const Eigen::VectorXd& start, const Eigen::VectorXd& delta, double from, double to) const;
 };
 
 /// Two bodies that never move relative to each other, and overlap.

@@ -248,8 +248,8 @@ std::optional<PrimitiveDistance::Open> PrimitiveDistance::nearest_of(const Primi
   return nearest;
 }
 
-/// One more is visited.
-void PrimitiveDistance::count_box(Found& found) {
+/// One more box or pair of boxes.
+void PrimitiveDistance::count_visit(Found& found) {
   gjk_.count_step();
   found.count_box();
 }
@@ -268,13 +268,12 @@ double PrimitiveDistance::solid_to_primitives(const Placed& solid, const Placed&
   const PrimitiveBvh& tree = *other.bvh;
   const Eigen::Isometry3d to_tree = other.pose.inverse(Eigen::Isometry) * solid.pose;
   const RoundedBox box(to_tree.linear(), to_tree * solid.bounds.box_center, solid.bounds.box_half);
-  RoundedBoxes boxes;
-  for (int i = 0; i < RoundedBoxes::count; ++i) boxes.set(i, box);
+  const RoundedBoxes boxes(box);
   const BoxDistanceBounds distances(Eigen::Isometry3d::Identity(), tree.reach(), box.reach());
   Shape shape(tree);
   const bool by_gjk = !is_cube_and_sphere(tree, solid);
   const bool fills_its_box_badly = dynamic_cast<const coal::ConvexBase*>(solid.geometry) != nullptr;
-  const float size = box.half_extents.squaredNorm();  // hardly any larger box is beside the solid, not its box
+  const float size = box.squared_size();  // hardly any larger box is beside the solid, not its box
   Found found(query);
   last_box_.reset();
   /// True: the query ends.
@@ -301,7 +300,7 @@ double PrimitiveDistance::solid_to_primitives(const Placed& solid, const Placed&
   std::optional<Open> next;
   if (query.among.empty()) next = nearest_in(0);
   for (; next; next = next ? next : pop_near(found)) {
-    count_box(found);
+    count_visit(found);
     const PrimitiveBvh::BoxNumber number = next->a;
     const PrimitiveBvh::Part& part = tree.part(number);
     next.reset();
@@ -355,7 +354,7 @@ double PrimitiveDistance::primitives_to_primitives(const Placed& a, const Placed
   std::optional<Open> next;
   if (query.among.empty()) next = nearest_in_a(0, 0);
   for (; next; next = next ? next : pop_near(found)) {
-    count_box(found);
+    count_visit(found);
     const auto [bound, box_a, box_b] = *next;
     const PrimitiveBvh::Part &part_a = tree_a.part(box_a), &part_b = tree_b.part(box_b);
     const bool ends_a = part_a.has_primitives(), ends_b = part_b.has_primitives();

@@ -22,9 +22,6 @@ constexpr std::size_t max_stored_candidates = 1 << 20;  // of one motion: furthe
 constexpr int max_parts = 16;
 constexpr int samples_per_deadline_check = 32;
 
-/// Of a motion, for tables of pairs where they do not prove it as a whole.
-constexpr int table_parts = 8;
-
 /// A level of more intervals than this is not resolved as one.
 constexpr std::size_t many_intervals = 32;
 
@@ -33,23 +30,6 @@ constexpr std::size_t many_intervals = 32;
 /// proved free as well, so the result does not depend on which spheres and tables there are.
 constexpr double proof_reserve = PairTable::reserve;
 static_assert(proof_reserve >= Checker::motion_floor + 2.5 * NarrowPhase::tolerance);
-
-/// Does the pair's table prove the two apart on this part of a straight motion? Angles may have any value.
-bool is_free_by_table(const Pair& pair, const Eigen::VectorXd& start, const Eigen::VectorXd& delta, double from,
-                      double to) {
-  std::array<double, 2> low{}, high{};
-  for (std::size_t i = 0; i < 2; ++i) {
-    if (pair.table->joints[i] < 0) continue;
-    const auto joint = static_cast<Eigen::Index>(pair.first_joint) + pair.table->joints[i];
-    const double a = start[joint] + from * delta[joint], b = start[joint] + to * delta[joint];
-    low[i] = std::min(a, b) - 1e-9;
-    high[i] = std::max(a, b) + 1e-9;
-    if (!(std::abs(low[i]) < 1e3 && std::abs(high[i]) < 1e3)) return false;
-  }
-  return pair.table->is_free(low, high);
-}
-
-std::span<const double> as_span(const Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
 }  // namespace
 
@@ -193,14 +173,14 @@ Separation SceneWorkspace::separate(const Pair& pair, double margin) {
 /// Does the pair's table prove the two apart over this part of the motion?
 bool SceneWorkspace::table_proves(const Pair& pair, double from, double to) {
   if (!pair.table) return false;
-  const bool proved = is_free_by_table(pair, start_, delta_, from, to);
+  const bool proved = pair.is_free_by_table(start_, delta_, from, to);
   statistics.by_tables += proved;
   return proved;
 }
 
 bool SceneWorkspace::in_contact(const Pair& pair, const ContactOptions& options) {
   if (distance_bound(pair) > pair.padding + NarrowPhase::tolerance) return false;
-  if (pair.table && options.use_tables && is_free_by_table(pair, here_, here_, 0.0, 0.0)) return false;
+  if (pair.table && options.use_tables && pair.is_free_by_table(here_, here_, 0.0, 0.0)) return false;
   if (!pair.solid && hull_distance(pair, pair.padding + NarrowPhase::tolerance, infinity) == infinity) return false;
   return distance(pair, pair.padding, pair.padding + NarrowPhase::contact_distance) < infinity;
 }
@@ -489,77 +469,6 @@ bool SceneWorkspace::resolve_close() {
   });
 }
 
-/// Checks the motion with the spheres, and with tables where these decide sooner; the pairs that are left undecided go
-/// to open_.
-CollisionStatus SceneWorkspace::check_with_spheres() {
-  const BatchChecker& batch = *model_.batch;
-  const std::uint64_t blocks = batch.statistics(*batch_).blocks;
-  open_.clear();
-  CollisionStatus status = batch.motion(as_span(start_), as_span(delta_), *batch_, model_.batch_options);
-  if (status == CollisionStatus::undecided) open_undecided();
-  if (status != CollisionStatus::colliding && deferred_are_open()) {
-    const CollisionStatus of_deferred =
-        batch.motion_of_pairs(as_span(start_), as_span(delta_), *batch_, model_.batch_options, open_deferred_);
-    if (of_deferred == CollisionStatus::undecided) open_undecided();
-    if (of_deferred != CollisionStatus::free) status = of_deferred;
-  }
-  statistics.blocks += batch.statistics(*batch_).blocks - blocks;
-  if (status != CollisionStatus::undecided) return status;
-  return open_.empty() ? CollisionStatus::free : status;
-}
-
-/// Are there deferred pairs that their tables do not prove free on the whole motion? They are then in open_deferred_.
-bool SceneWorkspace::deferred_are_open() {
-  open_deferred_.clear();
-  const auto is_free = [&](std::uint32_t pair) {
-    const auto proves = [&](int part, int parts) {
-      return is_free_by_table(bodies_.pairs[pair], start_, delta_, static_cast<double>(part) / parts,
-                              static_cast<double>(part + 1) / parts);
-    };
-    bool proved = proves(0, 1);
-    for (int part = 0; !proved && proves(part, table_parts); ++part)  // together smaller than the whole
-      proved = part == table_parts - 1;
-    statistics.by_tables += proved;
-    return proved;
-  };
-  for (const int pair : model_.batch_scene.deferred)
-    if (!std::ranges::all_of(model_.pairs_of({.self = true, .pair = pair}), is_free)) open_deferred_.push_back(pair);
-  return !open_deferred_.empty();
-}
-
-/// The pairs that the spheres left undecided go to open_, one interval each, from the first to the last that is open:
-/// Coal proves a long one as readily as a short one.
-void SceneWorkspace::open_undecided() {
-  const BatchChecker& batch = *model_.batch;
-  const std::size_t first = open_.size();
-  for (const UndecidedPair& u : batch.undecided(*batch_))
-    for (std::uint32_t pair : model_.pairs_of(u)) {
-      if (table_proves(bodies_.pairs[pair], u.t - u.half, u.t + u.half)) continue;
-      auto& [low, high] = span_of_[pair];
-      if (high < low) {
-        open_.push_back({0.0, 0.0, pair});
-        low = u.t - u.half;
-      }
-      high = u.t + u.half;
-    }
-  for (Interval& interval : std::span(open_).subspan(first)) {
-    auto& [low, high] = span_of_[interval.pair];
-    interval.t = (low + high) / 2;
-    interval.half_width = (high - low) / 2;
-    low = 1.0;
-    high = 0.0;
-  }
-  statistics.undecided += batch.undecided(*batch_).size();
-}
-
-/// Do the spheres alone prove the motion free?
-bool SceneWorkspace::prove_with_spheres() {
-  const std::uint64_t blocks = model_.batch->statistics(*batch_).blocks;
-  const bool proved = model_.batch->proves_free(as_span(start_), as_span(delta_), *batch_, model_.batch_options);
-  statistics.blocks += model_.batch->statistics(*batch_).blocks - blocks;
-  return proved;
-}
-
 /// Checks the whole motion by Coal's distances.
 bool SceneWorkspace::resolve_with_coal() {
   displacements_.start_straight(delta_);
@@ -592,37 +501,6 @@ bool SceneWorkspace::is_motion_free(const MotionQuery& query) {
   }
   ++statistics.motions_by_spheres;
   return status == CollisionStatus::free;
-}
-
-// --- blocks of configurations
-
-/// Are all of the pairs that the spheres left undecided apart at q?
-bool SceneWorkspace::resolve_lane(ConstVector q, std::span<const UndecidedPair> open) {
-  place(q);
-  for (const UndecidedPair& u : open)
-    for (std::uint32_t pair : model_.pairs_of(u))
-      if (in_contact(bodies_.pairs[pair])) return false;
-  return true;
-}
-
-void SceneWorkspace::check_block(ConstRows q, std::span<bool> free, const StateQuery& query) {
-  const BatchChecker& batch = *model_.batch;
-  const auto lanes =
-      batch.check_block({q.data(), static_cast<std::size_t>(q.size())}, *batch_, {.proofs_only = query.spheres_only});
-  ++statistics.blocks;
-  std::span<const UndecidedPair> open = batch.undecided(*batch_);
-  if (!query.spheres_only) statistics.undecided += open.size();
-  for (std::size_t lane = 0; lane < free.size(); ++lane) {
-    std::size_t count = 0;  // open pairs of this lane; they come in order of lanes
-    while (count < open.size() && open[count].t == static_cast<double>(lane)) ++count;
-    const bool undecided = lanes.undecided >> lane & 1;
-    free[lane] = !undecided && !(lanes.colliding >> lane & 1);
-    if (undecided && !query.spheres_only)
-      free[lane] = resolve_lane(q.row(static_cast<Eigen::Index>(lane)).transpose(), open.first(count));
-    else
-      ++statistics.states_by_spheres;
-    open = open.subspan(count);
-  }
 }
 
 }  // namespace srmp::detail

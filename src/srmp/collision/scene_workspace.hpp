@@ -140,7 +140,7 @@ class SceneWorkspace final : public Checker::Workspace {
   void place_sample(double t);
   bool resolve_with_coal();
   CollisionStatus check_with_spheres();
-  bool deferred_are_open();
+  void find_open_deferred();
   void open_undecided();
   bool prove_with_spheres();
   bool resolve_lane(ConstVector q, std::span<const UndecidedPair> open);
@@ -159,7 +159,7 @@ class SceneWorkspace final : public Checker::Workspace {
   double reserve_{};                  // farther than this must a pair stay apart to be proved free
   std::vector<std::uint32_t> close_;  // pairs that this motion's intervals proved neither free nor in contact
   std::vector<Interval> open_, next_;
-  std::vector<int> open_deferred_;  // pairs of the batch that tables left open
+  std::vector<int> open_deferred_;  // pairs of the batch that tables left open, of the last motion that asked them
   std::vector<PrimitivePair> candidates_, new_candidates_;
   int samples_{};                                   // placed, for looks at the deadline
   std::vector<std::pair<double, double>> span_of_;  // [pair] part of the motion that is open; empty between motions

@@ -49,6 +49,7 @@ PrimitiveBvh::PrimitiveBvh(const coal::BVHModelBase& mesh) {
   };
   copy(copy, 0);
   add_node(binary, std::array<std::uint32_t, 1>{0});
+  nodes_.shrink_to_fit();
 }
 
 PrimitiveBvh::PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double edge) : edge_(edge) {
@@ -66,6 +67,7 @@ PrimitiveBvh::PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double
   std::vector<BinaryNode> binary;
   build_cubes(codes, 0, binary);
   add_node(binary, std::array<std::uint32_t, 1>{0});
+  nodes_.shrink_to_fit();
 }
 
 /// Splits where the highest bit in which the codes differ changes: at the middle of a cell of the octree, along one
@@ -99,7 +101,7 @@ void PrimitiveBvh::add_node(const std::vector<BinaryNode>& binary, std::span<con
   for (std::size_t i = 0; i < RoundedBoxes::count; ++i) {
     const BinaryNode& member = binary[members[std::min(i, members.size() - 1)]];
     nodes_[index].boxes.set(static_cast<int>(i), member.box);
-    nodes_[index].squared_sizes[i] = member.box.half_extents.squaredNorm();
+    nodes_[index].squared_sizes[i] = member.box.squared_size();
     // A box of fewer primitives may stick out of the one around it, so the largest reach is not always that of box 0.
     reach_ = std::max(reach_, member.box.reach());
   }
@@ -110,7 +112,7 @@ void PrimitiveBvh::add_node(const std::vector<BinaryNode>& binary, std::span<con
     std::array<std::uint32_t, RoundedBoxes::count> below{members[i] + 1, binary[members[i]].right};
     std::size_t count = 2;
     const auto size_of = [&](std::uint32_t k) {
-      return binary[k].part.has_primitives() ? 0.0f : binary[k].box.half_extents.squaredNorm();
+      return binary[k].part.has_primitives() ? 0.0f : binary[k].box.squared_size();
     };
     while (count < below.size()) {
       const auto largest = std::max_element(below.begin(), below.begin() + static_cast<std::ptrdiff_t>(count),

@@ -29,7 +29,7 @@ class PrimitiveBvh {
     std::uint32_t size{};   ///< primitives; 0: a node
     bool has_primitives() const { return size > 0; }
   };
-  /// Boxes beside each other, of which each contains primitives. Those beyond `size` are the last one again.
+  /// Up to four boxes, of which each contains primitives. Those beyond `size` are the last one again.
   struct Node {
     RoundedBoxes boxes;
     std::array<Part, RoundedBoxes::count> parts;

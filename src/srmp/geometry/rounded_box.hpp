@@ -20,6 +20,8 @@ struct RoundedBox {
   Eigen::Vector3d half_extents3d() const { return half_extents.cast<double>(); }
   /// No point of the box is farther from the origin [m].
   float reach() const { return center.norm() + half_extents.norm(); }
+  /// Of half its diagonal.
+  float squared_size() const { return half_extents.squaredNorm(); }
 };
 
 /// Four boxes, component by component: what is computed for all of them takes as many instructions as for one.
@@ -29,6 +31,8 @@ struct RoundedBoxes {
   std::array<std::array<Eigen::Array4f, 3>, 3> axes;  ///< [k][i]: component k of the direction of edge i
   std::array<Eigen::Array4f, 3> center, half_extents;
 
+  RoundedBoxes() = default;
+  explicit RoundedBoxes(const RoundedBox& box);  ///< four times the same
   RoundedBox operator[](int i) const;
   void set(int i, const RoundedBox& box);
   /// One of them, four times.
@@ -51,8 +55,8 @@ class BoxDistanceBounds {
   RoundedBoxes in_a(const RoundedBoxes& b) const;
   /// The first boxes in the frame of the second ones.
   RoundedBoxes in_b(const RoundedBoxes& a) const;
-  /// Lower bounds of the squared distances [m^2] of each first box to the second one beside it, given in one frame;
-  /// rounding included. Separating axes: the edges of either box.
+  /// Lower bounds of the squared distances [m^2] of each first box to the second one at the same place, given in one
+  /// frame; rounding included. Separating axes: the edges of either box.
   Eigen::Array4f squared_bounds(const RoundedBoxes& a, const RoundedBoxes& b) const;
 
  private:
@@ -79,6 +83,10 @@ inline void RoundedBoxes::set(int i, const RoundedBox& box) {
     center[component][i] = box.center[k];
     half_extents[component][i] = box.half_extents[k];
   }
+}
+
+inline RoundedBoxes::RoundedBoxes(const RoundedBox& box) {
+  for (int i = 0; i < count; ++i) set(i, box);
 }
 
 inline RoundedBoxes RoundedBoxes::repeated(int i) const {

@@ -341,14 +341,14 @@ CollisionStatus BatchChecker::check_levels(Workspace& w, const MotionOptions& op
   int blocks = 0;
   for (int level = 0; !w.open.empty(); ++level) {
     w.next.clear();
-    only_open |= level > 0;
-    if (only_open) w.begin_level();
+    const bool of_open = only_open || level > 0;
+    if (of_open) w.begin_level();
     const bool last = level >= options.refinements || blocks >= options.max_blocks;
     for (std::size_t first = 0; first < w.open.size(); first += kLanes) {
       const std::size_t count = w.set_lanes(std::span(w.open).subspan(first));
       const unsigned used = (1u << count) - 1;
       ++blocks;
-      const auto pairs = only_open ? Workspace::Pairs::open : Workspace::Pairs::not_deferred;
+      const auto pairs = of_open ? Workspace::Pairs::open : Workspace::Pairs::not_deferred;
       const batch::KernelResult result = w.run(*impl_, {.moving = true, .pairs = pairs, .used = count});
       if (result.colliding) {
         w.forget(result);

@@ -55,7 +55,7 @@ struct BatchSelfPair {
   int a{}, b{};  ///< bodies
   double padding{0.0};
   bool exact{true};  ///< false: a hit proves nothing
-  /// Motions are checked without it, then with it alone where that is asked for: something else decides it sooner.
+  /// BatchChecker::motion leaves it out, motion_of_pairs checks it: something else decides most motions sooner.
   bool deferred{false};
 };
 

@@ -128,6 +128,7 @@ class Slice : RobotLanes {
   /// Do they hit in some lanes? The bodies are not placed yet.
   __attribute__((noinline)) bool hits_likely(const KernelHit& likely) {
     current_ = likely.of;
+    if (!is_open(current_.pair)) return false;
     if (current_.body >= 0) {
       const KernelObstacle& o = m_.obstacles[m_.pair_obstacles[current_.pair]];
       const KernelBody& body = m_.bodies[current_.body];
