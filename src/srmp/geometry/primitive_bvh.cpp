@@ -48,8 +48,7 @@ PrimitiveBvh::PrimitiveBvh(const coal::BVHModelBase& mesh) {
     return index;
   };
   copy(copy, 0);
-  add_node(binary, std::array<std::uint32_t, 1>{0});
-  nodes_.shrink_to_fit();
+  add_nodes(binary);
 }
 
 PrimitiveBvh::PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double edge) : edge_(edge) {
@@ -66,8 +65,7 @@ PrimitiveBvh::PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double
   }
   std::vector<BinaryNode> binary;
   build_cubes(codes, 0, binary);
-  add_node(binary, std::array<std::uint32_t, 1>{0});
-  nodes_.shrink_to_fit();
+  add_nodes(binary);
 }
 
 /// Splits where the highest bit in which the codes differ changes: at the middle of a cell of the octree, along one
@@ -91,6 +89,11 @@ Eigen::AlignedBox3d PrimitiveBvh::build_cubes(std::span<const std::uint64_t> cod
   }
   binary[index].box = RoundedBox(Eigen::Matrix3d::Identity(), extent.center(), extent.sizes() / 2);
   return extent;
+}
+
+void PrimitiveBvh::add_nodes(const std::vector<BinaryNode>& binary) {
+  nodes_.reserve(binary.size() / 4 + 1);  // mostly enough; what is not used takes no memory
+  add_node(binary, std::array<std::uint32_t, 1>{0});
 }
 
 /// A node of these boxes, with all that is below them. The largest children are replaced by their own, until a node is

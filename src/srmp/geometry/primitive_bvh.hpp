@@ -66,6 +66,7 @@ class PrimitiveBvh {
   static int place_of(BoxNumber number) { return static_cast<int>(number % RoundedBoxes::count); }
   Eigen::AlignedBox3d build_cubes(std::span<const std::uint64_t> codes, std::size_t done,
                                   std::vector<BinaryNode>& binary) const;
+  void add_nodes(const std::vector<BinaryNode>& binary);
   void add_node(const std::vector<BinaryNode>& binary, std::span<const std::uint32_t> members);
 
   std::vector<Node> nodes_;
