@@ -230,14 +230,13 @@ BOOST_AUTO_TEST_CASE(deferred_pairs_are_checked_where_that_is_asked_for) {
     std::mt19937 random(seed);
     BatchWorld world = random_world(seed, 2.0);
     const BatchChecker whole(world);
-    constexpr std::array deferred{0, 2, 4, 6, 8, 10, 12, 14};
-    for (const int i : deferred) world.self_pairs[static_cast<std::size_t>(i)].deferred = true;
+    world.deferred = {0, 2, 4, 6, 8, 10, 12, 14};
     const BatchChecker checker(world);
     for (int i = 0; i < amount(300); ++i) {
       const auto workspace = checker.make_workspace();
       const auto a = random_q(random, 7, 3.0), d = random_q(random, 7, i % 3 ? 0.1 : 1.0);
       const CollisionStatus others = checker.motion(a, d, *workspace, {});
-      const CollisionStatus rest = checker.motion_of_pairs(a, d, *workspace, {}, deferred);
+      const CollisionStatus rest = checker.motion_of_pairs(a, d, *workspace, {}, world.deferred);
       for (const UndecidedPair& pair : checker.undecided(*workspace)) BOOST_REQUIRE((pair.self && pair.pair % 2 == 0));
       const bool free = whole.motion(a, d, *whole.make_workspace(), {}) == CollisionStatus::free;
       BOOST_REQUIRE(free == (others == rest && rest == CollisionStatus::free));
@@ -574,6 +573,9 @@ BOOST_AUTO_TEST_CASE(batch_checker_refuses_nonsense) {
   world.obstacle_pairs.push_back({0, 77});
   check_throws<InvalidArgument>([&] { BatchChecker checker(world); }, "77");
   world = random_world(1);
+  world.deferred = {1000};
+  check_throws<InvalidArgument>([&] { BatchChecker checker(world); }, "1000");
+  world = random_world(1);
   world.actuated_joints[1].frame.translation().x() = NAN;
   check_throws<InvalidArgument>([&] { BatchChecker checker(world); }, "not finite");
   const BatchChecker checker(random_world(1));
@@ -593,8 +595,5 @@ BOOST_AUTO_TEST_CASE(simd_backend_comes_from_the_environment) {
   BOOST_TEST((default_simd_backend() == SimdBackend::portable));
   setenv("SRMP_SIMD", "avx51", 1);
   check_throws<InvalidArgument>([] { default_simd_backend(); }, "did you mean 'avx512'");
-  if (before)
-    setenv("SRMP_SIMD", saved.c_str(), 1);
-  else
-    unsetenv("SRMP_SIMD");
+  before ? setenv("SRMP_SIMD", saved.c_str(), 1) : unsetenv("SRMP_SIMD");
 }

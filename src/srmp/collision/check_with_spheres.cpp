@@ -19,7 +19,7 @@ std::span<const double> as_span(const Eigen::VectorXd& v) { return {v.data(), st
 
 // --- straight motions
 
-/// Checks the motion with the spheres, and with tables where these decide sooner; the pairs that are left undecided go
+/// Checks the motion with the spheres, of deferred pairs with their tables first; the pairs that are left undecided go
 /// to open_.
 CollisionStatus SceneWorkspace::check_with_spheres() {
   const BatchChecker& batch = *model_.batch;
@@ -52,7 +52,7 @@ void SceneWorkspace::find_open_deferred() {
     statistics.by_tables += proved;
     return proved;
   };
-  for (const int pair : model_.batch_scene.deferred)
+  for (const int pair : model_.batch_scene.pairs.deferred)
     if (!std::ranges::all_of(model_.pairs_of({.self = true, .pair = pair}), is_free)) open_deferred_.push_back(pair);
 }
 

@@ -85,10 +85,6 @@ inline void RoundedBoxes::set(int i, const RoundedBox& box) {
   }
 }
 
-inline RoundedBoxes::RoundedBoxes(const RoundedBox& box) {
-  for (int i = 0; i < count; ++i) set(i, box);
-}
-
 inline RoundedBoxes RoundedBoxes::repeated(int i) const {
   RoundedBoxes one;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -97,6 +93,11 @@ inline RoundedBoxes RoundedBoxes::repeated(int i) const {
     one.half_extents[k] = Eigen::Array4f::Constant(half_extents[k][i]);
   }
   return one;
+}
+
+inline RoundedBoxes::RoundedBoxes(const RoundedBox& box) {
+  set(0, box);
+  *this = repeated(0);
 }
 
 namespace detail {

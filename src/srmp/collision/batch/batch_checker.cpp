@@ -304,6 +304,7 @@ void BatchChecker::begin_motion(std::span<const double> a, std::span<const doubl
   require_size(difference.size(), dof(), "batch checker: difference of the motion");
   ++w.statistics.motions;
   w.undecided.clear();
+  w.next_open_pairs.clear();
   w.set_motion(*impl_, a, difference);
   double length = 0;
   for (std::size_t k = 0; k < w.delta.size(); ++k) length += std::abs(w.delta[k]) * impl_->robot->actuated_reach[k];
@@ -318,7 +319,6 @@ void BatchChecker::begin_motion(std::span<const double> a, std::span<const doubl
 CollisionStatus BatchChecker::motion(std::span<const double> a, std::span<const double> difference, Workspace& w,
                                      const MotionOptions& options) const {
   begin_motion(a, difference, w, options);
-  w.next_open_pairs.clear();
   return check_levels(w, options, false);
 }
 
@@ -326,7 +326,6 @@ CollisionStatus BatchChecker::motion_of_pairs(std::span<const double> a, std::sp
                                               Workspace& w, const MotionOptions& options,
                                               std::span<const int> self_pairs) const {
   begin_motion(a, difference, w, options);
-  w.next_open_pairs.clear();
   for (const int pair : self_pairs) {
     if (pair < 0 || pair >= w.view.self_pair_count)
       throw InvalidArgument("batch checker: there is no self pair " + std::to_string(pair) + "; there are " +

@@ -55,8 +55,6 @@ struct BatchSelfPair {
   int a{}, b{};  ///< bodies
   double padding{0.0};
   bool exact{true};  ///< false: a hit proves nothing
-  /// BatchChecker::motion leaves it out, motion_of_pairs checks it: something else decides most motions sooner.
-  bool deferred{false};
 };
 
 /// Bodies, and the actuated joints that carry them.
@@ -71,6 +69,8 @@ struct BatchPairs {
   std::vector<BatchObstacle> obstacles;
   std::vector<std::pair<int, int>> obstacle_pairs;  ///< (body, obstacle) to check
   std::vector<BatchSelfPair> self_pairs;
+  /// Numbers of self pairs that BatchChecker::motion leaves out, of which most motions are decided without spheres.
+  std::vector<int> deferred;
 };
 
 /// All that a BatchChecker checks.

@@ -115,10 +115,9 @@ void BatchModel::add_all_pairs(const BatchPairs& pairs) {
     throw InvalidArgument("batch checker: there are more than 4 million pairs");
   add_pairs(pairs);
   for (const BatchSelfPair& pair : pairs.self_pairs) add_self_pair(pair);
-  if (std::ranges::none_of(pairs.self_pairs, &BatchSelfPair::deferred)) return;
+  if (pairs.deferred.empty()) return;
   not_deferred.assign(pair_obstacles.size() + self_pairs.size(), 1);
-  for (std::size_t i = 0; i < self_pairs.size(); ++i)
-    not_deferred[pair_obstacles.size() + i] = !pairs.self_pairs[i].deferred;
+  for (const int pair : pairs.deferred) not_deferred[pair_obstacles.size() + static_cast<std::size_t>(pair)] = 0;
 }
 
 void BatchModel::require_valid(const BatchPairs& pairs) const {
@@ -133,6 +132,8 @@ void BatchModel::require_valid(const BatchPairs& pairs) const {
     require_index(pairs.self_pairs[i].a, bodies.size(), part, "first body");
     require_index(pairs.self_pairs[i].b, bodies.size(), part, "second body");
   }
+  for (std::size_t i = 0; i < pairs.deferred.size(); ++i)
+    require_index(pairs.deferred[i], pairs.self_pairs.size(), {"deferred pair", i}, "self pair");
 }
 
 void BatchModel::add_obstacle(const BatchObstacle& o) {

@@ -314,7 +314,7 @@ void BatchScene::make_pairs(const Bodies& bodies) {
   make_lists(obstacle_pairs, obstacles,
              [&](int a, int b, std::span<const std::uint32_t>) { pairs.obstacle_pairs.emplace_back(a, b); });
   pairs.self_pairs.clear();
-  deferred.clear();
+  pairs.deferred.clear();
   make_lists(self_pairs, count, [&](int a, int b, std::span<const std::uint32_t> of_both) {
     // Where some geometries of the two may touch, a hit proves nothing.
     const bool all = of_both.size() == static_cast<std::size_t>(geometry_counts[static_cast<std::size_t>(a)]) *
@@ -322,9 +322,8 @@ void BatchScene::make_pairs(const Bodies& bodies) {
     const bool by_tables = !robot->exact && std::ranges::all_of(of_both, [&](std::uint32_t id) {
       return bodies.pairs[id].table != nullptr;
     });
-    if (by_tables) deferred.push_back(static_cast<int>(pairs.self_pairs.size()));
-    pairs.self_pairs.push_back(
-        {a, b, bodies.pairs[of_both.front()].padding + NarrowPhase::contact_distance, all, by_tables});
+    if (by_tables) pairs.deferred.push_back(static_cast<int>(pairs.self_pairs.size()));
+    pairs.self_pairs.push_back({a, b, bodies.pairs[of_both.front()].padding + NarrowPhase::contact_distance, all});
   });
 }
 

@@ -37,7 +37,6 @@ struct BatchScene {
   BatchPairs pairs;
   /// By index of BatchPairs::obstacle_pairs and self_pairs: the pairs of Bodies that each stands for, increasing.
   NumberLists obstacle_pairs, self_pairs;
-  std::vector<int> deferred;  ///< of BatchPairs::self_pairs, by index: those of which tables decide most motions
 
   /// What a body of Bodies is in the batch: the number of an obstacle, or of a body of the robot.
   struct Part {
