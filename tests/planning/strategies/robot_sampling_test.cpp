@@ -44,6 +44,22 @@ BOOST_AUTO_TEST_CASE(max_samples_are_near_the_ends_and_all_within_limits) {
   BOOST_TEST(near < 950);
 }
 
+BOOST_AUTO_TEST_CASE(the_margin_grows) {
+  const auto robot = robots::planar();
+  const Vector2d at(0.0, 0.0);
+  const RobotSamplingOptions options{
+      .first_margin = 0.25, .near_margin = 1.0, .growing_samples = 100.0, .far_fraction = 0.0};
+  const search::RrtSpace space = rrt_space(*robot, at, {at}, options);
+  search::RandomSequence random(1);
+  double farthest = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    const double distance = space.sample(random).lpNorm<Eigen::Infinity>();
+    farthest = std::max(farthest, distance);
+    BOOST_TEST(distance <= 0.25 + 0.75 * std::min(1.0, i / 100.0));
+  }
+  BOOST_TEST(farthest > 0.99);
+}
+
 BOOST_AUTO_TEST_CASE(the_first_samples_are_near_the_straight_motions_and_within_limits) {
   const auto robot = robots::planar();
   const Vector2d from(0.1, -2.9), goals[] = {{0.3, -2.5}, {-2.0, 2.5}};

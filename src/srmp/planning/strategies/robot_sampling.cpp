@@ -13,7 +13,7 @@ namespace srmp {
 
 namespace {
 
-/// A box of configurations that samples are taken from.
+/// A box of configurations.
 struct Region {
   Eigen::VectorXd lower, upper;
 
@@ -21,55 +21,61 @@ struct Region {
     lower = lower.cwiseMin(q);
     upper = upper.cwiseMax(q);
   }
-
-  /// Wider by `margin` on each side, within the limits.
-  Region widened(const RobotModel& robot, double margin) const {
-    Region wide = *this;
-    for (std::size_t i = 0; i < robot.dof(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      wide.lower[k] = std::max(robot.joints()[i].lower, lower[k] - margin);
-      wide.upper[k] = std::min(robot.joints()[i].upper, upper[k] + margin);
-    }
-    return wide;
-  }
-
-  Eigen::VectorXd sample(search::RandomSequence& random) const {
-    Eigen::VectorXd q = lower;
-    for (Eigen::Index k = 0; k < q.size(); ++k) q[k] += (upper[k] - lower[k]) * random.next();
-    return q;
-  }
 };
+
+Region joint_limits(const RobotModel& robot) {
+  Region limits{Eigen::VectorXd(robot.dof()), Eigen::VectorXd(robot.dof())};
+  for (std::size_t i = 0; i < robot.dof(); ++i) {
+    limits.lower[static_cast<Eigen::Index>(i)] = robot.joints()[i].lower;
+    limits.upper[static_cast<Eigen::Index>(i)] = robot.joints()[i].upper;
+  }
+  return limits;
+}
+
+/// Of the region, wider by `margin` on each side, within the limits.
+Eigen::VectorXd sample(const Region& region, double margin, const Region& limits, search::RandomSequence& random) {
+  Eigen::VectorXd q(region.lower.size());
+  for (Eigen::Index k = 0; k < q.size(); ++k) {
+    const double lower = std::max(limits.lower[k], region.lower[k] - margin);
+    const double upper = std::min(limits.upper[k], region.upper[k] + margin);
+    q[k] = lower + (upper - lower) * random.next();
+  }
+  return q;
+}
 
 /// RrtSpace::sample of rrt_space.
 class Samples {
  public:
   Samples(const RobotModel& robot, const search::RrtSpace& space, const RobotSamplingOptions& options)
-      : options_(options), start_(space.starts.front()) {
-    Region around{start_, start_};  // the straight motions
+      : options_(options), start_(space.starts.front()), limits_(joint_limits(robot)), around_{start_, start_} {
     for (Eigen::VectorXd end : space.goals) {
       motions_.push_back(robot.difference(start_, end));
       for (Eigen::Index k = 0; k < end.size(); ++k)
         if (space.wraps[static_cast<std::size_t>(k)]) end[k] = start_[k] + motions_.back()[k];
-      around.include(end);
+      around_.include(end);
     }
-    near_ = around.widened(robot, options.near_margin);
-    far_ = around.widened(robot, options.far_margin);
   }
 
   Eigen::VectorXd operator()(search::RandomSequence& random) {
     Eigen::VectorXd q = draw(random);
     for (int draws = 1; !is_on_short_path(q) && draws < options_.informed_draws; ++draws) q = draw(random);
-    taken_ += taken_ < options_.direct_samples;
+    ++taken_;
     return q;
   }
 
  private:
   Eigen::VectorXd draw(search::RandomSequence& random) {
-    const Eigen::VectorXd q = (random.next() < options_.far_fraction ? far_ : near_).sample(random);
-    if (taken_ == options_.direct_samples || motions_.empty()) return q;
+    const bool far = random.next() < options_.far_fraction;
+    const Eigen::VectorXd q = sample(around_, far ? options_.far_margin : near_margin(), limits_, random);
+    if (taken_ >= options_.direct_samples || motions_.empty()) return q;
     const auto number = static_cast<std::size_t>(random.next() * static_cast<double>(motions_.size()));
     const Eigen::VectorXd between = start_ + random.next() * motions_[number];
     return between + options_.direct_distance * (q - between);
+  }
+
+  double near_margin() const {
+    const double grown = std::min(1.0, static_cast<double>(taken_) / options_.growing_samples);
+    return options_.first_margin + grown * (options_.near_margin - options_.first_margin);
   }
 
   /// Is there a goal to which a path through q may be no longer than max_length?
@@ -81,11 +87,11 @@ class Samples {
     });
   }
 
-  Region near_, far_;
   RobotSamplingOptions options_;
   Eigen::VectorXd start_;
+  Region limits_, around_;                // the straight motions
   std::vector<Eigen::VectorXd> motions_;  // to the goals
-  std::size_t taken_{};                   // of the direct samples
+  std::size_t taken_{};
 };
 
 /// RrtSpace::advance of add_tool_directions.

@@ -1,6 +1,7 @@
 #include "srmp/planning/strategies/rrt_connect.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "srmp/core/stopping.hpp"
 #include "srmp/planning/strategies/robot_sampling.hpp"
@@ -12,7 +13,7 @@ namespace {
 
 /// In narrow places fewer checks find shorter paths with long steps and direct samples.
 RobotSamplingOptions sampling(double max_length) {
-  return {.max_step = 0.8, .direct_samples = 60, .max_length = max_length};
+  return {.max_step = 0.8, .first_margin = M_PI / 4, .direct_samples = 60, .max_length = max_length};
 }
 
 }  // namespace
