@@ -84,6 +84,22 @@ BOOST_AUTO_TEST_CASE(stops_are_as_fast_as_those_in_tiny_steps_and_keep_the_limit
   }
 }
 
+BOOST_AUTO_TEST_CASE(stops_beside_a_row_begin_there_and_keep_the_limits_in_their_rows) {
+  std::mt19937 random(3);
+  for (int world = 0; world < 30; ++world) {
+    const MotionLimits limits = limits_of(random);
+    const Trajectory motion = time_parameterize(waypoints_of(random, 3), names, limits);
+    for (const double off : {-1e-6, -1e-9, -1e-12, -1e-16, 1e-12, 1e-9, 1e-6}) {
+      const Eigen::Index row = motion.times.size() / 3 + world;
+      const double t = motion.times[row] + 0.99 * off;
+      const Trajectory stop = stop_on_path(motion, t, limits, {});
+      BOOST_TEST((stop.positions.row(0) == motion.positions.row(row)));
+      BOOST_TEST((stop.accelerations.array().abs().rowwise() / limits.acceleration.transpose().array()).maxCoeff() <=
+                 1.0 + 1e-6);
+    }
+  }
+}
+
 BOOST_AUTO_TEST_CASE(stops_with_limited_jerk_keep_it_from_the_acceleration_on) {
   std::mt19937 random(2);
   for (int world = 0; world < 100; ++world) {

@@ -3,6 +3,7 @@
 #include "srmp/facade/planner_impl.hpp"
 #include "srmp/facade/start_in_motion.hpp"
 #include "srmp/planning/certified_timing.hpp"
+#include "srmp/trajectory/near_row.hpp"
 #include "srmp/trajectory/stop.hpp"
 
 namespace srmp {
@@ -43,7 +44,7 @@ Trajectory PlannerInterface::stop(const std::string& robot, const Trajectory& mo
   timing.deadline = &deadline;
   const MotionLimits limits = scaled(impl_->limits_of(robot), options);
   Trajectory result = stop_on_path(motion, t, limits, timing);
-  const MotionState at = motion.state(t);
+  const MotionState at = motion.state(detail::time_of_near_row(motion.times, t));
   const bool ruckig = timing.method == TimingMethod::ruckig;
   const Certificate certificate = verify(robot, result,
                                          {.start = at.position,

@@ -6,6 +6,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/trajectory/cubic.hpp"
+#include "srmp/trajectory/near_row.hpp"
 #include "srmp/trajectory/timing.hpp"
 
 namespace srmp {
@@ -186,6 +187,7 @@ Eigen::VectorXd straight_stop(const Eigen::VectorXd& velocity, const Eigen::Vect
 
 Trajectory stop_on_path(const Trajectory& motion, double t, const MotionLimits& limits, const TimingOptions& options) {
   require_motion(motion, t, limits);
+  t = detail::time_of_near_row(motion.times, t);
   const MotionState at = motion.state(t);
   for (Eigen::Index j = 0; j < at.velocity.size(); ++j)
     if (std::abs(at.velocity[j]) > limits.velocity[j] * (1.0 + 1e-6))

@@ -4,6 +4,7 @@
 #include "srmp/core/error.hpp"
 #include "srmp/trajectory/joint_torques.hpp"
 #include "srmp/trajectory/limit_check.hpp"
+#include "srmp/trajectory/near_row.hpp"
 #include "srmp/trajectory/trajectory.hpp"
 #include "srmp/trajectory/trajectory_checks.hpp"
 
@@ -16,6 +17,7 @@ using detail::require_motion;
 using detail::require_shapes;
 using detail::require_time;
 using detail::require_times;
+using detail::time_of_near_row;
 
 namespace {
 
@@ -23,15 +25,6 @@ constexpr double max_rows = 1e7;
 constexpr double same_position = 1e-9;  // [rad or m] where one motion ends and the next begins
 constexpr double same_velocity = 1e-6;  // [rad/s or m/s]
 constexpr double short_tick = 0.01;     // of dt: a last segment shorter than this does the same
-constexpr double same_time =
-    1e-6;  // [s] a cut as near as this to a row is made there: shorter segments magnify rounding
-
-/// The time of a row that is near enough, else t.
-double time_of_near_row(const Eigen::VectorXd& times, double t) {
-  Eigen::Index nearest{};
-  const double off = (times.array() - t).abs().minCoeff(&nearest);
-  return off <= same_time ? times[nearest] : t;
-}
 
 /// Row by row, at the times given. Its waypoints are its rows.
 Trajectory rows_at(const Trajectory& trajectory, const std::vector<double>& times) {
