@@ -44,6 +44,19 @@ CartesianPath CartesianPath::seen_from(const Pose& frame) const {
   return CartesianPath(std::move(poses));
 }
 
+CartesianPath CartesianPath::thinned(const CartesianTolerance& closer) const {
+  std::vector<Pose> kept{poses_.front()};
+  const auto is_close = [&](const Pose& pose) {
+    return (pose.p - kept.back().p).norm() < closer.position &&
+           turn_between(kept.back().q, pose.q).norm() < closer.rotation;
+  };
+  for (std::size_t i = 1; i + 1 < poses_.size(); ++i)
+    if (!is_close(poses_[i])) kept.push_back(poses_[i]);
+  if (kept.size() > 1 && is_close(poses_.back())) kept.pop_back();
+  kept.push_back(poses_.back());
+  return CartesianPath(std::move(kept));
+}
+
 CartesianPath::Miss CartesianPath::miss(const Pose& at, std::size_t segment,
                                         const CartesianTolerance& tolerance) const {
   const Pose &a = poses_[segment], &b = poses_[segment + 1];

@@ -10,6 +10,7 @@ namespace {
 constexpr int chords = 8;          // of a parabola, that are checked for collisions
 constexpr int halvings = 6;        // a corner that is not free then is a stop
 constexpr double min_part = 1e-6;  // of the shorter edge: below this a rounded corner is a stop
+constexpr double max_part = 0.48;  // of the shorter edge: what is left of it is not too short to be timed
 
 /// An edge between two waypoints; s runs from 0 to length.
 struct Edge {
@@ -48,7 +49,7 @@ double cut_of(const Edge& in, const Edge& out, const TimingOptions& options) {
   if (options.blend_deviation == 0.0) return 0.0;
   const Eigen::VectorXd change = (out.direction - in.direction).cwiseAbs();
   const double off = options.reach.size() ? change.dot(options.reach) : change.sum();
-  const double longest = 0.5 * std::min(in.length, out.length);
+  const double longest = max_part * std::min(in.length, out.length);
   double cut = off > 0.0 ? std::min(longest, 4.0 * options.blend_deviation / off) : longest;
   for (int i = 0; i < halvings && cut > min_part * longest; ++i, cut *= 0.5)
     if (is_free(parabola(in, out, cut), options)) return cut;

@@ -15,6 +15,10 @@ namespace {
 
 constexpr double spacing = 0.03;  // [s at full speed] between grid points of straight segments
 constexpr int min_straight = 8, max_straight = 60, per_corner = 8;  // grid intervals of a segment
+/// Segments are not divided into shorter intervals than this, or than a part of a short path: in tiny ones, rounding
+/// becomes acceleration.
+constexpr double min_interval = 5e-4;  // [s at full speed]
+constexpr int parts_of_short_path = 16;
 
 constexpr double within = 1.0 - 1e-6;  // of the speed that a curve allows: at the limit itself rounding decides
 
@@ -73,11 +77,13 @@ class ScaledPath : public toppra::GeometricPath {
 
   /// Grid points: evenly on every segment, its ends included.
   Eigen::VectorXd grid() const {
+    const double shortest = std::min(min_interval, scales_.length / parts_of_short_path);
     std::vector<double> points{0.0};
     for (std::size_t i = 0; i < path_.size(); ++i) {
       const double end = i + 1 < path_.size() ? begins_[i + 1] : 1.0;
       const int straight = std::clamp(static_cast<int>(path_[i].length / spacing), min_straight, max_straight);
-      const int count = path_[i].rounded ? per_corner : straight;
+      const int most = std::max(1, static_cast<int>(path_[i].length / shortest));
+      const int count = std::min(path_[i].rounded ? per_corner : straight, most);
       for (int k = 1; k <= count; ++k) points.push_back(k == count ? end : begins_[i] + (end - begins_[i]) * k / count);
     }
     return Eigen::Map<const Eigen::VectorXd>(points.data(), static_cast<Eigen::Index>(points.size()));

@@ -12,6 +12,8 @@ namespace srmp {
 
 namespace {
 
+constexpr double smallest_cost = 1e-9;  // of an edge [rad or m]
+
 /// [m] to tenths of a millimetre.
 std::string rounded(double length) { return to_text(std::round(1e4 * length) / 1e4); }
 
@@ -124,10 +126,11 @@ void CartesianGraph::successors(search::StateId state, std::vector<search::Succe
     const std::optional<Part> part = part_behind(from.part, *found);
     if (!part) return;
     const search::StateId to = insert(layer, *found, *part);
-    const double cost = context_.robot.difference(from.q, states_[to].q).norm();
+    // More than 0 where it is at the next pose already.
+    const double cost = std::max(context_.robot.difference(from.q, states_[to].q).norm(), smallest_cost);
     const bool known = to == state || std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
                                                   [&](const search::Successor& s) { return s.state == to; });
-    if (!known && cost > 0.0) out.push_back({to, cost});
+    if (!known) out.push_back({to, cost});
   };
   const bool last = from.layer + 1 == layers_.size();
   if (last) return;

@@ -20,17 +20,23 @@ struct FollowTuning {
   std::vector<double> steps{0.02, 0.01, 0.005};    ///< [m] between poses, one search each: coarse ones are quicker
   std::vector<double> close_steps{0.005, 0.0025};  ///< [m] where an end surely is closer than the clearance
   double turn_of_step{3.5};                        ///< [rad/m]: poses are no farther apart in rotation
-  /// Before poses are searched that cannot be reached at all: most paths are found within fewer.
-  std::uint64_t first_expansions{500};
+  /// Before poses are searched that cannot be reached at all, which takes about as long as so many for each layer: most
+  /// paths are found within fewer.
+  std::uint64_t first_expansions{500}, first_of_layer{4};
   /// Beyond these, for each layer of a graph whose ends may be closer than the clearance: motions near such ends take
   /// long to check, and where none leads on, the robot's redundancy has many.
   std::uint64_t close_expansions{5};
   double weight{15.0};   ///< of the heuristic: much of it follows the nearest configurations
   double fraction{0.5};  ///< of the tolerance that the straight segments may use; rounded corners have the rest
+  double closer{0.25};   ///< than this fraction of the tolerance: poses of which only the first is searched for
   /// Of the tolerance: how far corners may be rounded, one after the other until the motion keeps to the poses.
   std::vector<double> corners{0.5, 0.1, 0.02, 0.0};
 };
 const FollowTuning tuning;
+
+CartesianTolerance fraction_of(double fraction, const CartesianTolerance& tolerance) {
+  return {fraction * tolerance.position, fraction * tolerance.rotation};
+}
 
 class FollowPoses {
  public:
@@ -42,7 +48,8 @@ class FollowPoses {
         statistics_(statistics),
         context_(problem, problem.robots.front(), problem.options, problem.checkers.planning.alone(0), deadline,
                  statistics),
-        in_base_(poses.path.seen_from(problem.robots.front().placed->base)) {}
+        in_base_(poses.path.thinned(fraction_of(tuning.closer, poses.tolerance))
+                     .seen_from(problem.robots.front().placed->base)) {}
 
   Trajectory run() {
     RowMatrix waypoints = path_before_deadline();
@@ -165,7 +172,7 @@ class FollowPoses {
 
   CartesianGraphOptions graph_options(double step) const {
     return {.link = context_.robot.link_index(link()),
-            .tolerance = {tuning.fraction * poses_.tolerance.position, tuning.fraction * poses_.tolerance.rotation},
+            .tolerance = fraction_of(tuning.fraction, poses_.tolerance),
             .step = step,
             .turn = tuning.turn_of_step * step,
             .close_ends = has_close_ends_};
@@ -180,7 +187,7 @@ class FollowPoses {
     search::WeightedAstar search(graph, starts, heuristic, {.weight = tuning.weight});
     std::optional<Status> stop;
     try {
-      stop = search.improve(deadline_, tuning.first_expansions);
+      stop = search.improve(deadline_, tuning.first_expansions + tuning.first_of_layer * graph.layers());
       if (!stop && !search.finished() && graph.unreachable_pose().empty())
         stop =
             search.improve(deadline_, has_close_ends_ ? tuning.close_expansions * graph.layers() : search::unlimited);
