@@ -127,6 +127,13 @@ def follow() -> Call:
     return lambda: planner.follow("left", turned(0.0), poses)
 
 
+def time_parameterize() -> Call:
+    ends = np.zeros(7), np.array([0.5, 0.2, 0.1, -0.3, 0.4, 0.2, 0.1])
+    limits = srmp.MotionLimits(np.ones(7), np.full(7, 2.0), np.full(7, 20.0))
+    names = [f"joint{i}" for i in range(7)]
+    return lambda: srmp.time_parameterize(np.tile(ends, (50_000, 1)), names, limits)
+
+
 def prepare() -> Call:
     sizes = itertools.count(1)
 
@@ -179,6 +186,7 @@ CALLS = {
         plan_many,
         plan_sequence,
         follow,
+        time_parameterize,
         prepare,
         mesh_file,
         allowed_collisions,

@@ -1,10 +1,14 @@
 #include "srmp/trajectory/parameterize.hpp"
 
 #include "bind.hpp"
+#include "interrupt.hpp"
+#include "srmp/core/run_interruptibly.hpp"
 
 namespace srmp::python {
 
 namespace {
+
+constexpr Eigen::Index long_path = 1000;  // waypoints: TOPP-RA has steps that cannot be stopped
 
 TimingMethod to_method(const std::string& method) {
   const std::vector<std::string> known{"toppra", "ruckig"};
@@ -35,8 +39,10 @@ Trajectory in_time(const ArrayLike& waypoints, nb::handle joint_names, const Mot
     };
   if (planner.is_none() && !robot.is_none()) throw InvalidArgument("a robot is named, but no planner to find it in");
   if (!planner.is_none()) options.robot = std::make_shared<const PlacedRobot>(placed_robot(planner, robot));
+  const InterruptionScope interruptible(raise_interrupt);
   const nb::gil_scoped_release no_gil;
-  return time_parameterize(rows, names, limits, options);
+  if (rows.rows() < long_path || is_free) return time_parameterize(rows, names, limits, options);
+  return run_interruptibly([=] { return time_parameterize(rows, names, limits, options); });
 }
 
 }  // namespace

@@ -125,8 +125,9 @@ constexpr const char* stop_doc =
     R"(The fastest certified stop on the path of a motion of the robot, from the instant t [s] of it on: it brakes as hard as
 the velocity and acceleration limits allow at every instant, and stops at the earliest place of the path where it can.
 With the timing `ruckig` the jerk limits are kept too; the path must be straight there, as such motions are. Times begin
-at 0, with the position, velocity and, with `ruckig`, acceleration of the motion at t. The name may be left out where
-there is one robot. Timing, limits and time limit are those of make_planner. The GIL is released.
+at 0, with the position, velocity and, with `ruckig`, acceleration of the motion at t, or at its row that is within 1 µs
+of t. The name may be left out where there is one robot. Timing, limits and time limit are those of make_planner. The
+GIL is released.
 
 Raises PlanningError, exhausted, when the stop touches what is in the scene now; and InvalidArgument for an unknown
 robot, other joints, a motion without times or velocities, one that ends in motion before the robot can stop, and a t

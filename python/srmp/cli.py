@@ -391,10 +391,10 @@ def _parse_state(world: srmp.PlannerInterface, text: str) -> list[float]:
         values = {key: float(value) for key, value in parse_key_values(parts).items()}
     except ValueError as error:
         raise click.BadParameter(f"--state: {error}.") from error
-    if missing := [name for name in names if name not in values]:
-        raise click.BadParameter(f"--state has no position for joint '{missing[0]}'.")
     if others := {name: value for name, value in values.items() if name not in names}:
         world.set_joint_positions("robot", others)
+    if missing := [name for name in names if name not in values]:
+        raise click.BadParameter(f"--state has no position for joint '{missing[0]}'.")
     return [values[name] for name in names]
 
 

@@ -37,8 +37,16 @@ BOOST_AUTO_TEST_CASE(pose_accepts_both_quaternion_orders) {
   BOOST_TEST((a * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0, 1, 0)).norm() < 1e-12);
 }
 
+BOOST_AUTO_TEST_CASE(quaternions_of_any_length_are_normalised) {
+  for (const double length : {1e-8, 0.5, 1e99, 1e160, 1e307}) {
+    const Pose pose = Pose::from_xyzw({0, 0, 0}, {length, 0, 0, length});
+    BOOST_TEST((pose.q.coeffs() - Eigen::Vector4d(1, 0, 0, 1) / std::sqrt(2.0)).norm() < 1e-15);
+  }
+}
+
 BOOST_AUTO_TEST_CASE(pose_rejects_invalid_input) {
   check_throws<InvalidArgument>([] { Pose::from_xyzw({0, 0, 0}, {0, 0, 0, 0}); }, "quaternion is zero");
+  check_throws<InvalidArgument>([] { Pose::from_xyzw({0, 0, 0}, {0, 1e-150, 0, 0}); }, "of length 1e-150;");
   check_throws<InvalidArgument>([] { Pose::from_xyzw({NAN, 0, 0}, {0, 0, 0, 1}); }, "NaN");
   check_throws<InvalidArgument>([] { Pose::from_list(std::array{1.0, 2.0}); }, "7 numbers");
   check_throws<InvalidArgument>([] { Pose::from_matrix(2 * Eigen::Matrix4d::Identity()); }, "not a rigid transform");

@@ -59,4 +59,5 @@ def test_check_says_why():
     assert beyond.exit_code == 1
     assert "outside its limits" in beyond.output
     assert "planned joints are" in invoke("check", "--urdf", arm7_urdf, "--state", "1,2").output
+    assert "did you mean 'arm7_joint1'" in invoke("check", "--urdf", arm7_urdf, "--state", "arm7_jont1=1").output
     assert "give either" in invoke("check", "--urdf", arm7_urdf).output

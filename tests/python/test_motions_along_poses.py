@@ -80,6 +80,31 @@ def test_an_arc_does_not_stop(arm_alone):
     assert np.abs(radii - 0.05).max() <= 0.002 + 0.05 * (1 - np.cos(angles[0] / 2))
 
 
+@pytest.mark.parametrize("count", [100, 1000, 6000])
+def test_close_poses_are_followed_by_few_rows_that_keep_the_limits(arm_alone, count):
+    here = arm_alone.compute_fk("arm", START)
+    angles = np.linspace(0, 2 * np.pi, count)[1:]
+    circle = [moved(here, 0.05 * np.array([np.cos(a) - 1, np.sin(a), 0])) for a in angles]
+    motion = arm_alone.follow(START, circle)
+    assert motion.certificate.holds
+    assert motion.certificate.cartesian_deviation.position <= 1e-3
+    assert len(motion) < 3000
+    assert (np.abs(motion.accelerations) <= 1.001 * arm_alone.motion_limits("arm").acceleration).all()
+    motion.to_joint_trajectory()
+    points = np.array([arm_alone.compute_fk("arm", motion.sample(t)).p for t in np.arange(0, motion.duration, 5e-3)])
+    center = here.p - [0.05, 0, 0]
+    assert np.abs(np.linalg.norm(points - center, axis=1) - 0.05).max() <= 1e-3 + 1e-6
+
+
+def test_poses_where_the_robot_is_already(arm_alone):
+    here = arm_alone.compute_fk("arm", START)
+    there = moved(here, [0, 0, 0.03])
+    for poses in ([here], [here, here], [there, there, here, here]):
+        motion = arm_alone.follow(START, poses)
+        assert motion.certificate.holds
+        np.testing.assert_allclose(arm_alone.compute_fk("arm", motion.positions[-1]).p, here.p, atol=1e-4)
+
+
 def test_what_cannot_be_followed_says_why(arm_alone):
     here = arm_alone.compute_fk("arm", START)
     with pytest.raises(srmp.PlanningError, match="no configuration within the joint limits") as caught:
@@ -127,6 +152,8 @@ def test_the_proof_of_a_tiny_tolerance_ends_with_the_time_limit(arm_alone):
         ({"max_rotation": 1.0}, "at most 0.5 rad"),
         ({"poses": [1, 2, 3]}, "poses"),
         ({"poses": "somewhere"}, "poses"),
+        ({"poses": [Pose(), Pose(p=[0, 0, 1e6])]}, "pose 1 to follow: .* at most 1000 m are allowed"),
+        ({"poses": [Pose(p=[0, 0, 900]), Pose()] * 2}, "the path along the poses is .* m long; at most 1000 m"),
     ],
 )
 def test_wrong_arguments_are_refused(arm_alone, arguments, words):

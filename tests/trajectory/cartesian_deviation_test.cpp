@@ -1,6 +1,7 @@
 #include "srmp/trajectory/cartesian_deviation.hpp"
 
 #include <boost/test/unit_test.hpp>
+#include <random>
 
 #include "support/amount.hpp"
 #include "support/data.hpp"
@@ -31,6 +32,26 @@ Trajectory random_motion(const RobotModel& robot, std::size_t seed) {
 }  // namespace
 
 BOOST_AUTO_TEST_SUITE(cartesian_deviation)
+
+BOOST_AUTO_TEST_CASE(all_poses_are_near_the_thinned_path) {
+  const CartesianTolerance closer{0.01, 0.02};
+  std::mt19937 random(1);
+  const auto number = [&](double most) { return most * (static_cast<double>(random()) / 4294967296.0); };
+  for (std::size_t count = 2; count < 200; ++count) {
+    std::vector<Pose> poses{Pose::from_rpy({0.3, 0.0, 0.5}, {0.1, 0.2, 0.3})};
+    while (poses.size() < count)
+      poses.push_back(moved(poses.back(), {number(0.02), number(0.02) - 0.01, 0.0}, number(0.04)));
+    const CartesianPath thinned = CartesianPath(poses).thinned(closer);
+    BOOST_TEST((thinned.pose(0, 0.0).p == poses.front().p));
+    BOOST_TEST((thinned.end().p == poses.back().p));
+    for (const Pose& pose : poses) {
+      const CartesianPath::Miss miss = thinned.miss(pose, 0, 1e9, closer);
+      BOOST_TEST(std::max(miss.position / closer.position, miss.rotation / closer.rotation) <= 1.0);
+    }
+    for (std::size_t i = 0; i + 1 < thinned.segments(); ++i)
+      BOOST_TEST((thinned.length(i) >= closer.position || thinned.angle(i) >= closer.rotation));
+  }
+}
 
 BOOST_AUTO_TEST_CASE(a_pose_on_the_path_misses_nothing) {
   const Pose a = Pose::from_rpy({0.3, 0.0, 0.5}, {0.1, 0.2, 0.3});

@@ -233,6 +233,31 @@ BOOST_AUTO_TEST_CASE(the_smallest_steps_take_time_too) {
     check_trajectory(time_parameterize(path, {"j"}, problem.limits, with(method, 1e-3)), problem, with(method, 1e-3));
 }
 
+BOOST_AUTO_TEST_CASE(short_paths_and_close_waypoints_keep_the_limits_in_their_rows) {
+  const MotionLimits limits = uniform_limits(3, 1, 2, 20);
+  const auto check = [&](const RowMatrix& path) {
+    const Trajectory t = time_parameterize(path, names(3), limits);
+    BOOST_TEST(use_of(t.accelerations, limits.acceleration) <= 1.0 + 1e-4);
+    return t;
+  };
+  for (double length = 1.0; length > 1e-18; length /= 10.0) {
+    RowMatrix path = RowMatrix::Zero(2, 3);
+    path.row(1).setConstant(length);
+    BOOST_TEST_CONTEXT("length " << length) { BOOST_TEST(check(path).duration() >= 1e-3); }
+  }
+  Random random(22);
+  for (const int count : {100, 1'000, 5'000}) BOOST_TEST_CONTEXT(count << " waypoints") {  // of a circle, unevenly
+      RowMatrix path(count, 3);
+      for (Eigen::Index i = 0; i < count; ++i) {
+        const double angle = 2 * M_PI * (static_cast<double>(i) + random.uniform(0.0, 0.9)) / count;
+        path.row(i) << 0.3 * std::cos(angle), 0.3 * std::sin(angle), 0.1 * angle;
+      }
+      const Trajectory t = check(path);
+      BOOST_TEST(t.duration() < 6.0);
+      BOOST_TEST(t.size() < 4u * static_cast<unsigned>(count) + 1'500u);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(the_same_path_gives_the_same_bits) {
   Random random(3);
   const Problem problem = random_problem(random);

@@ -20,4 +20,15 @@ void require_position(const Eigen::Vector3d& point, const std::string& what) {
       throw InvalidArgument(what + " is " + to_text(x) + " m from the origin" + length_rule());
 }
 
+Pose checked_pose(const Pose& pose, const std::string& owner) {
+  constexpr double rounding = 1e-12;
+  try {
+    const Pose normalized = Pose::from_list(pose.to_list());
+    require_position(pose.p, "pose position");
+    return std::abs(pose.q.squaredNorm() - 1.0) <= rounding ? pose : normalized;
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument(owner + ": " + error.what());
+  }
+}
+
 }  // namespace srmp

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "srmp/core/pose.hpp"
+
 namespace srmp {
 
 /// No robot and no scene is larger than this [m]: what exceeds it is a mistake, such as millimetres for metres, and
@@ -20,5 +22,10 @@ void require_length(double value, const std::string& what);
 
 /// Throws InvalidArgument unless every coordinate is finite and at most max_length from 0; `what` names the point.
 void require_position(const Eigen::Vector3d& point, const std::string& what);
+
+/// The pose with a unit quaternion. Throws InvalidArgument with the owner's name for NaN, infinity, a zero quaternion
+/// and a place beyond max_length. A quaternion of unit length is returned bit for bit, so that scenes do not change
+/// when they are saved and loaded.
+Pose checked_pose(const Pose& pose, const std::string& owner);
 
 }  // namespace srmp

@@ -13,9 +13,11 @@ Pose checked(const Eigen::Vector3d& p, double x, double y, double z, double w) {
   const std::array<double, 4> xyzw{x, y, z, w};
   require_finite(xyzw, "pose quaternion");
   const Eigen::Quaterniond q(w, x, y, z);
-  if (q.norm() < 1e-9)
-    throw InvalidArgument("pose quaternion is zero; a rotation needs a non-zero [x, y, z, w], e.g. [0, 0, 0, 1]");
-  return {p, q.normalized()};
+  const double length = q.coeffs().stableNorm();  // squares may be out of range
+  if (length < 1e-9)
+    throw InvalidArgument("pose quaternion is " + std::string(length == 0.0 ? "zero" : "of length " + to_text(length)) +
+                          "; a rotation needs a non-zero [x, y, z, w], e.g. [0, 0, 0, 1]");
+  return {p, length < 1e100 ? q.normalized() : Eigen::Quaterniond(q.coeffs() / length)};
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // Motions along poses: PlannerInterface::plan_linear and follow.
 #include "srmp/core/error.hpp"
+#include "srmp/core/lengths.hpp"
 #include "srmp/facade/planner_impl.hpp"
 #include "srmp/facade/poses_to_follow.hpp"
 
@@ -28,12 +29,12 @@ PosesToFollow poses_to_follow(const PlacedRobot& robot, ConstVector start, const
                           "' cannot follow poses: no planned joint moves it");
   if (poses.empty()) throw InvalidArgument("there are no poses to follow; give at least one");
   std::vector<Pose> path{robot.base * model.compute_fk(start, link, robot.other_positions)};
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (!poses[i].p.allFinite() || !poses[i].q.coeffs().allFinite() || poses[i].q.norm() < 1e-9)
-      throw InvalidArgument("pose " + std::to_string(i) + " to follow is not finite, or its quaternion is zero");
-    path.push_back({poses[i].p, poses[i].q.normalized()});
-  }
-  return {link, CartesianPath(std::move(path)), {options.max_deviation, options.max_rotation}};
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    path.push_back(checked_pose(poses[i], "pose " + std::to_string(i) + " to follow"));
+  CartesianPath followed(std::move(path));
+  if (followed.length() > max_length)
+    throw InvalidArgument("the path along the poses is " + to_text(followed.length()) + " m long" + length_rule());
+  return {link, std::move(followed), {options.max_deviation, options.max_rotation}};
 }
 
 Trajectory PlannerInterface::plan_linear(const std::string& robot, ConstVector start, const Pose& goal,

@@ -106,8 +106,6 @@ SequenceResult PlannerInterface::plan_sequence(const std::string& robot, ConstVe
   impl_->require_state(robot, start);
   const std::vector<Segment> segments = with_gripper_positions(this->robot(robot), given);
   if (segments.empty()) throw InvalidArgument("the sequence has no segments");
-  if (std::none_of(segments.begin(), segments.end(), [](const Segment& s) { return s.moves() || s.duration != 0.0; }))
-    throw InvalidArgument("no segment of the sequence moves the robot or waits");
   const PlannerOptions& options = planner_options({robot});
   impl_->require_backend_keeps_clearance(options);
   const CommonOptions& common = common_options(options);
@@ -127,6 +125,8 @@ SequenceResult PlannerInterface::plan_sequence(const std::string& robot, ConstVe
   }};
   SequenceSearch search(*this, robot, segments, set_scene, common.time_limit, interrupt);
   search.require_segments(start);
+  if (std::none_of(segments.begin(), segments.end(), [](const Segment& s) { return s.moves() || s.duration != 0.0; }))
+    throw InvalidArgument("no segment of the sequence moves the robot or waits");
   set_scene(before);
   search.run(start);
 

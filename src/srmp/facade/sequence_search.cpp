@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/lengths.hpp"
 #include "srmp/facade/grippers.hpp"
 #include "srmp/facade/poses_to_follow.hpp"
 #include "srmp/planning/constraints/place_constraints.hpp"
@@ -22,7 +23,8 @@ std::string fault_of(const Segment& segment, const Segment* next, double max_dur
   if (!(segment.blend_radius >= 0.0 && std::isfinite(segment.blend_radius)))
     return "blend_radius is " + to_text(segment.blend_radius) + "; it must be 0 m or above";
   if (!(segment.duration >= 0.0 && segment.duration <= max_duration))
-    return "duration is " + to_text(segment.duration) + "; it must be 0 s or above";
+    return "duration is " + to_text(segment.duration) + "; it must be 0 s or above, and at most " +
+           to_text(max_duration) + " s";
   if (segment.blend_radius > 0.0 && segment.type != SegmentType::move)
     return "only moves are blended; follow() passes poses without a stop";
   const bool next_constrained = next && next->type == SegmentType::move && !next->constraints.empty();
@@ -93,6 +95,7 @@ void SequenceSearch::require_segments(const Eigen::VectorXd& start) {
 
 void SequenceSearch::require_poses(const Segment& segment, const Eigen::VectorXd& start) const {
   const RobotInstance& robot = planner_.scene().robot(robot_);
+  if (segment.offset) require_position(*segment.offset, "offset");
   const std::vector<Pose> poses = segment.offset ? std::vector<Pose>(1) : segment.poses;
   poses_to_follow({robot.model, robot.base, robot.other_positions}, start, poses, segment.cartesian);
   place_constraints(planner_.scene(), robot_, segment.cartesian.constraints);

@@ -27,20 +27,6 @@ std::vector<std::string> keys(const Map& map) {
   return names;
 }
 
-/// The pose with a unit quaternion. Throws InvalidArgument with the owner's name for NaN, infinity, a zero quaternion
-/// and a place beyond max_length. A quaternion of unit length is returned bit for bit, so that scenes do not change
-/// when they are saved and loaded.
-Pose checked_pose(const Pose& pose, const std::string& owner) {
-  constexpr double rounding = 1e-12;
-  try {
-    const Pose normalized = Pose::from_list(pose.to_list());
-    require_position(pose.p, "pose position");
-    return std::abs(pose.q.squaredNorm() - 1.0) <= rounding ? pose : normalized;
-  } catch (const InvalidArgument& error) {
-    throw InvalidArgument(owner + ": " + error.what());
-  }
-}
-
 double checked_padding(double padding, const std::string& owner) {
   if (!(std::isfinite(padding) && padding >= 0.0))
     throw InvalidArgument("padding of " + owner + " is " + to_text(padding) +

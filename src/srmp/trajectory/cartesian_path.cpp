@@ -52,7 +52,6 @@ CartesianPath CartesianPath::thinned(const CartesianTolerance& closer) const {
   };
   for (std::size_t i = 1; i + 1 < poses_.size(); ++i)
     if (!is_close(poses_[i])) kept.push_back(poses_[i]);
-  if (kept.size() > 1 && is_close(poses_.back())) kept.pop_back();
   kept.push_back(poses_.back());
   return CartesianPath(std::move(kept));
 }

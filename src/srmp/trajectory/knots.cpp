@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "srmp/core/interruption.hpp"
 #include "srmp/core/stopping.hpp"
 #include "srmp/trajectory/cubic.hpp"
 
@@ -17,6 +18,7 @@ constexpr std::size_t rows_per_deadline_check = 1024;
 }  // namespace
 
 void stop_if_late(const TimingOptions& options) {
+  rare_interruption_point();
   if (options.deadline)
     stop_if_late(*options.deadline,
                  "the path was timed with a sample period of " + to_text(options.sample_period) + " s");
@@ -24,7 +26,8 @@ void stop_if_late(const TimingOptions& options) {
 
 double limit_use(const Knots& knots, const MotionLimits& limits, bool with_jerk) {
   double largest = 0.0;
-  for (std::size_t i = 0; i + 1 < knots.times.size(); ++i)
+  for (std::size_t i = 0; i + 1 < knots.times.size(); ++i) {
+    interruption_point();
     for (Eigen::Index j = 0; j < limits.velocity.size(); ++j) {
       const double h = knots.times[i + 1] - knots.times[i], q = knots.positions[i][j];
       const double rounding = std::numeric_limits<double>::epsilon() * (1.0 + std::abs(q));
@@ -41,6 +44,7 @@ double limit_use(const Knots& knots, const MotionLimits& limits, bool with_jerk)
       if (with_jerk)
         largest = std::max(largest, std::cbrt(fraction(segment.jerk(), 36 * rounding / h / h / h, limits.jerk[j])));
     }
+  }
   return largest;
 }
 

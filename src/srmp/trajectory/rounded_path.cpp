@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "srmp/core/interruption.hpp"
+
 namespace srmp::detail {
 
 namespace {
@@ -64,6 +66,7 @@ std::vector<SmoothPath> round_corners(const RowMatrix& waypoints, const MotionLi
   std::vector<SmoothPath> paths;
   double before = 0.0;  // of the edge, replaced by the corner at its start
   for (std::size_t i = 0; i < edges.size(); ++i) {
+    interruption_point();
     const Edge& edge = edges[i];
     const double after = i + 1 < edges.size() ? cut_of(edge, edges[i + 1], options) : 0.0;
     if (before == 0.0) paths.emplace_back();

@@ -7,6 +7,7 @@
 #include <toppra/solver/seidel.hpp>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/trajectory/timing.hpp"
 
 namespace srmp::detail {
@@ -121,13 +122,16 @@ class Limits : public toppra::LinearConstraint {
     F[0].bottomRows(2 * dof).diagonal().setConstant(-1.0);
     g[0].setOnes();
     std::vector<double> fastest(a.size());  // squared, by grid point
-    for (std::size_t i = 0; i < a.size(); ++i)
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      interruption_point();
       fastest[i] = speed_.cwiseQuotient(path_.eval_single(grid[static_cast<Eigen::Index>(i)], 1).cwiseAbs())
                        .array()
                        .square()
                        .minCoeff();
+    }
     const std::vector<double> of_links = fastest_of_links(grid);
     for (std::size_t i = 0; i < a.size(); ++i) {
+      interruption_point();
       const auto row = static_cast<Eigen::Index>(i);
       const std::size_t before = i - (i > 0), after = std::min(i + 1, a.size() - 1);
       xbound[i] << 0.0, std::min({fastest[before], fastest[i], fastest[after], of_links[i]});
@@ -172,6 +176,16 @@ class Limits : public toppra::LinearConstraint {
   const double start_, end_;
 };
 
+/// The problems of the grid points, one after the other.
+class InterruptibleSeidel : public toppra::solver::Seidel {
+ public:
+  bool solveStagewiseOptim(std::size_t i, const toppra::Matrix& H, const toppra::Vector& g, const toppra::Bound& x,
+                           const toppra::Bound& next, toppra::Vector& solution) override {
+    interruption_point();
+    return Seidel::solveStagewiseOptim(i, H, g, x, next, solution);
+  }
+};
+
 class Solver : public toppra::algorithm::TOPPRA {
  public:
   using TOPPRA::TOPPRA;
@@ -197,7 +211,7 @@ Knots time_with_toppra(const SmoothPath& path, const MotionLimits& limits, doubl
   const double start = std::pow(start_speed * unit, 2), end = end_speed * unit;
   Solver solver({std::make_shared<Limits>(*scaled, speed, links, start, end * end)}, scaled);
   solver.setGridpoints(scaled->grid());
-  solver.solver(std::make_shared<toppra::solver::Seidel>());
+  solver.solver(std::make_shared<InterruptibleSeidel>());
   if ((start > 0.0 || end > 0.0) && !solver.can_start_with(start, end))
     throw Error("too fast for the length of the path");  // checked here: the library would complain on stderr
   const auto code = solver.computePathParametrization(start, end);
