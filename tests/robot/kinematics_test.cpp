@@ -160,6 +160,23 @@ BOOST_AUTO_TEST_CASE(other_positions_last_until_changed) {
                                 "1 other joints, got 2");
 }
 
+BOOST_AUTO_TEST_CASE(a_forward_after_another_gives_the_bits_of_the_first) {
+  for (const auto& robot : {cart(), RobotModel::load(arm7())}) {
+    const RobotDataPtr data = robot->make_data();
+    for (std::size_t i = 0; i < 50; ++i) {
+      const Eigen::VectorXd q = sample_configuration(*robot, i);
+      const Eigen::VectorXd others = robot->default_other_positions().array() + 0.01 * static_cast<double>(i / 10);
+      if (i % 10 == 0) robot->set_other_positions(*data, others);
+      robot->forward(*data, q);
+      const RobotDataPtr fresh = robot->make_data();
+      robot->set_other_positions(*fresh, others);
+      robot->forward(*fresh, q);
+      for (std::size_t link = 0; link < robot->link_names().size(); ++link)
+        BOOST_TEST((robot->link_pose(*data, link).matrix() == robot->link_pose(*fresh, link).matrix()));
+    }
+  }
+}
+
 BOOST_AUTO_TEST_CASE(limit_violations_are_reported_and_differences_take_the_shorter_way_round) {
   const auto robot = cart();
   BOOST_TEST(!robot->limit_violation(Eigen::Vector2d(2, 100)));

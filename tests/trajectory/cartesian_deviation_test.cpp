@@ -93,6 +93,34 @@ BOOST_AUTO_TEST_CASE(what_is_proved_holds_at_all_samples_and_is_little_more) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(motions_keep_a_tolerance_where_their_deviation_does) {
+  const auto robot = RobotModel::load(arm7());
+  const Deadline deadline;
+  int kept = 0, left = 0;
+  for (std::size_t seed = 0; seed < static_cast<std::size_t>(amount(300)); ++seed) BOOST_TEST_CONTEXT("seed " << seed) {
+      const Trajectory motion = random_motion(*robot, seed);
+      const Eigen::VectorXd a = motion.positions.row(0).transpose(), b = motion.positions.row(1).transpose();
+      const CartesianPath path({robot->compute_fk(a), robot->compute_fk(b)});
+      const CartesianTolerance unit;
+      double worst = 1e-6;  // in units
+      for (int i = 0; i <= 1000; ++i) {
+        const auto miss = path.miss(robot->compute_fk(a + i / 1000.0 * (b - a)), 0, unit);
+        worst = std::max({worst, miss.position / unit.position, miss.rotation / unit.rotation});
+      }
+      for (const double fraction : {0.5, 0.9, 1.15, 2.0}) {
+        const CartesianTolerance tolerance{fraction * worst * unit.position, fraction * worst * unit.rotation};
+        const std::size_t link = robot->link_index(robot->end_effector());
+        CartesianDeviationProof proof(*robot, {}, link, path, tolerance, deadline);
+        const bool keeps = proof.keeps(a, b, 0);
+        if (fraction < 1.0) BOOST_TEST(!keeps);
+        if (fraction > 1.12) BOOST_TEST(keeps);
+        ++(keeps ? kept : left);
+      }
+    }
+  BOOST_TEST(kept > 100);
+  BOOST_TEST(left > 100);
+}
+
 BOOST_AUTO_TEST_CASE(a_motion_that_ends_before_the_path_does_is_away_from_its_end) {
   const auto robot = RobotModel::load(arm7());
   const Trajectory motion = random_motion(*robot, 5);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
-#include <tuple>
 
 #include "srmp/collision/bodies.hpp"
 #include "srmp/collision/contact_rules.hpp"
@@ -154,9 +153,9 @@ class Bodies::Following {
 
   /// Bodies::add_pairs makes pairs in this order.
   static bool comes_before(const Pair& x, const Pair& y) {
-    const auto key = [](const Pair& pair) {
-      return pair.b_fixed ? std::tuple(pair.a, false, pair.b)
-                          : std::tuple(std::min(pair.a, pair.b), true, std::max(pair.a, pair.b));
+    const auto key = [](const Pair& pair) {  // first, is it of two moving bodies, second
+      const std::uint64_t first = pair.b_fixed ? pair.a : std::min(pair.a, pair.b);
+      return first << 33 | std::uint64_t{!pair.b_fixed} << 32 | (pair.b_fixed ? pair.b : std::max(pair.a, pair.b));
     };
     return key(x) < key(y);
   }
@@ -170,6 +169,7 @@ class Bodies::Following {
       if (is_new_[i] || bodies_.fixed[i].robot == 0)
         (is_new_[i] ? added : links).emplace_back(i, rules.side(bodies_.fixed[i]));
     std::vector<Pair> pairs;
+    pairs.reserve(of_moving.size() * added.size());
     for (std::size_t i = 0; i < of_moving.size(); ++i)
       for (const auto& [j, other] : added)
         if (rules.count(of_moving[i], other)) pairs.push_back(bodies_.pair_of(of_moving[i], i, other, true, j));

@@ -21,6 +21,26 @@ Eigen::Isometry3d isometry(const pinocchio::SE3& pose) {
   return result;
 }
 
+void write(const pinocchio::SE3& pose, Eigen::Isometry3d& result) {
+  result.linear() = pose.rotation();
+  result.translation() = pose.translation();
+}
+
+/// What Pinocchio's forwardKinematics does for one joint.
+struct JointPose : pinocchio::fusion::JointUnaryVisitorBase<JointPose> {
+  using ArgsType = boost::fusion::vector<const pinocchio::Model&, pinocchio::Data&, const Eigen::VectorXd&>;
+
+  template <class JointModel>
+  static void algo(const pinocchio::JointModelBase<JointModel>& joint,
+                   pinocchio::JointDataBase<typename JointModel::JointDataDerived>& own, const pinocchio::Model& model,
+                   pinocchio::Data& data, const Eigen::VectorXd& q) {
+    const auto i = joint.id(), parent = model.parents[i];
+    joint.calc(own.derived(), q);
+    data.liMi[i] = model.jointPlacements[i] * own.M();
+    data.oMi[i] = parent > 0 ? data.oMi[parent] * data.liMi[i] : data.liMi[i];
+  }
+};
+
 }  // namespace
 
 class KinematicTree::Data {
@@ -108,9 +128,15 @@ void KinematicTree::set(Eigen::VectorXd& q, const Slot& slot, double value) {
 
 void KinematicTree::forward(Data& data, std::vector<Eigen::Isometry3d>& poses) const {
   pinocchio::forwardKinematics(model_->pinocchio, data.pinocchio, data.q);
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    poses[i].linear() = data.pinocchio.oMi[i].rotation();
-    poses[i].translation() = data.pinocchio.oMi[i].translation();
+  for (std::size_t i = 1; i < poses.size(); ++i) write(data.pinocchio.oMi[i], poses[i]);
+}
+
+void KinematicTree::forward(Data& data, std::vector<Eigen::Isometry3d>& poses,
+                            std::span<const std::size_t> joints) const {
+  for (const std::size_t i : joints) {
+    JointPose::run(model_->pinocchio.joints[i], data.pinocchio.joints[i],
+                   JointPose::ArgsType(model_->pinocchio, data.pinocchio, data.q));
+    write(data.pinocchio.oMi[i], poses[i]);
   }
 }
 

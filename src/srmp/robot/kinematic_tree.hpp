@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "srmp/robot/urdf.hpp"
@@ -51,6 +52,8 @@ class KinematicTree {
   static void set(Eigen::VectorXd& q, const Slot& slot, double value);
   /// Computes the poses of all joints in the base frame, by joint; `poses` has joint_count() entries.
   void forward(Data& data, std::vector<Eigen::Isometry3d>& poses) const;
+  /// The same of some joints, parents before children, where nothing before them has moved since.
+  void forward(Data& data, std::vector<Eigen::Isometry3d>& poses, std::span<const std::size_t> joints) const;
 
  private:
   struct Model;

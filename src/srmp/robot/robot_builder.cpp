@@ -399,8 +399,10 @@ void RobotModelBuilder::build_actuated_joints(Impl& m) {
       m.other_followers.push_back(follower);
     }
   }
-  for (std::size_t j = 1; j < own.size(); ++j)  // Pinocchio numbers parents before children
+  for (std::size_t j = 1; j < own.size(); ++j) {  // Pinocchio numbers parents before children
     m.joint_support[j] = m.joint_support[m.tree->parent(j)] | own[j];
+    if (m.joint_support[j] != 0) m.moving_joints.push_back(j);
+  }
 }
 
 }  // namespace srmp

@@ -53,6 +53,7 @@ struct RobotModelImpl {
   std::vector<Follower> planned_followers;  // by actuated_joints
   std::vector<Follower> other_followers;
   std::vector<std::uint64_t> joint_support;  // by joint of the tree
+  std::vector<std::size_t> moving_joints;    // of the tree: those that planned joints move, parents before children
 
   std::vector<LinkGeometry> geometries;
   std::vector<KinematicTree::FixedPlacement> geometry_placements;
@@ -72,6 +73,7 @@ class RobotData {
  public:
   KinematicTree::DataPtr tree;
   std::vector<Eigen::Isometry3d> joint_poses;  // by joint of the tree
+  bool others_moved{true};                     // joints that are not planned, since the last forward()
 };
 
 /// The steps of RobotModel::load, in several files.

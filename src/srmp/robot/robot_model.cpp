@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "srmp/core/error.hpp"
 #include "srmp/core/run_interruptibly.hpp"
@@ -80,6 +81,7 @@ void RobotModel::set_other_positions(RobotData& data, ConstVector positions) con
   if (positions.size() != static_cast<Eigen::Index>(other_joints().size()))
     throw InvalidArgument("robot '" + name() + "' has " + std::to_string(other_joints().size()) +
                           " other joints, got " + std::to_string(positions.size()) + " positions");
+  data.others_moved = true;
   for (const Follower& f : impl_->other_followers)
     KinematicTree::set(*data.tree, f.slot, f.ratio * positions[static_cast<Eigen::Index>(f.source)] + f.offset);
 }
@@ -87,7 +89,10 @@ void RobotModel::set_other_positions(RobotData& data, ConstVector positions) con
 void RobotModel::forward(RobotData& data, ConstVector q) const {
   for (const Follower& f : impl_->planned_followers)
     KinematicTree::set(*data.tree, f.slot, f.ratio * q[static_cast<Eigen::Index>(f.source)] + f.offset);
-  impl_->tree->forward(*data.tree, data.joint_poses);
+  if (std::exchange(data.others_moved, false))
+    impl_->tree->forward(*data.tree, data.joint_poses);
+  else
+    impl_->tree->forward(*data.tree, data.joint_poses, impl_->moving_joints);
 }
 
 Eigen::Isometry3d RobotModel::geometry_pose(const RobotData& data, std::size_t geometry) const {

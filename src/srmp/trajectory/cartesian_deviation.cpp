@@ -9,7 +9,6 @@ namespace srmp {
 
 namespace {
 
-constexpr double fineness = 0.1;        // of the tolerance: what bounds between ends may add
 constexpr double longest_turn = 0.4;    // [rad] of a part, for the constants of the rotation
 constexpr double shortest_part = 1e-7;  // of the time: below, motion from the nearer end is added instead
 
@@ -46,33 +45,74 @@ CartesianDeviationProof::End CartesianDeviationProof::end_at(std::span<const det
   return {time, pose, path_.miss(pose, first, ahead, tolerance_)};
 }
 
-void CartesianDeviationProof::add_part(std::span<const detail::Cubic> joints, const End& from, const End& to,
-                                       CartesianDeviation& sum) {
+/// Bounds on the misses between two ends; none while they are not fine enough.
+std::optional<CartesianDeviationProof::Bound> CartesianDeviationProof::bound_of(const LinkChain::Bounds& motion,
+                                                                                const End& from, const End& to,
+                                                                                const CartesianTolerance& fine) const {
   const double time = to.time - from.time;
-  const LinkChain::Bounds motion = chain_.bounds(joints, from.time, to.time);
   const double position = motion.acceleration * time * time / 8.0;
   const double rotation = 0.38 * motion.turning_acceleration * time * time;
-  if (from.miss.segment == to.miss.segment && position <= fineness * tolerance_.position &&
-      rotation <= fineness * tolerance_.rotation && motion.turning * time <= longest_turn)
-    return take_larger(sum, std::max(from.miss.position, to.miss.position) + position,
-                       1.01 * std::max(from.miss.rotation, to.miss.rotation) + rotation, tolerance_, to.time);
+  const double most = std::max(from.miss.position, to.miss.position);
+  const double most_turned = std::max(from.miss.rotation, to.miss.rotation);
+  if (from.miss.segment == to.miss.segment && position <= fine.position && rotation <= fine.rotation &&
+      motion.turning * time <= longest_turn)
+    return Bound{most + position, 1.01 * most_turned + rotation};
   const double moved = motion.speed * time / 2.0, turned = motion.turning * time / 2.0;  // from the nearer end
-  if ((moved <= fineness * tolerance_.position && turned <= fineness * tolerance_.rotation) || time <= shortest_part)
-    return take_larger(sum, std::max(from.miss.position, to.miss.position) + moved,
-                       std::max(from.miss.rotation, to.miss.rotation) + turned, tolerance_, to.time);
+  if ((moved <= fine.position && turned <= fine.rotation) || time <= shortest_part)
+    return Bound{most + moved, most_turned + turned};
+  return std::nullopt;
+}
+
+CartesianDeviationProof::End CartesianDeviationProof::middle_of(std::span<const detail::Cubic> joints,
+                                                                const LinkChain::Bounds& motion, const End& from,
+                                                                const End& to) {
+  const double time = to.time - from.time;
   const double ahead =
       1.0 + std::max(motion.speed * time / tolerance_.position, motion.turning * time / tolerance_.rotation);
-  const End middle = end_at(joints, (from.time + to.time) / 2.0, from.miss.segment, ahead);
+  return end_at(joints, (from.time + to.time) / 2.0, from.miss.segment, ahead);
+}
+
+void CartesianDeviationProof::add_part(std::span<const detail::Cubic> joints, const End& from, const End& to,
+                                       CartesianDeviation& sum) {
+  const LinkChain::Bounds motion = chain_.bounds(joints, from.time, to.time);
+  if (const auto bound = bound_of(motion, from, to, fine()))
+    return take_larger(sum, bound->position, bound->rotation, tolerance_, to.time);
+  const End middle = middle_of(joints, motion, from, to);
   add_part(joints, from, middle, sum);
   add_part(joints, middle, to, sum);
 }
 
-CartesianDeviation CartesianDeviationProof::over(std::span<const detail::Cubic> joints, std::size_t& segment) {
+bool CartesianDeviationProof::part_keeps(std::span<const detail::Cubic> joints, const End& from, const End& to) {
+  const auto keep = [&](double position, double rotation) {
+    return position <= tolerance_.position && rotation <= tolerance_.rotation;
+  };
+  if (!keep(from.miss.position, from.miss.rotation) || !keep(to.miss.position, to.miss.rotation)) return false;
+  const LinkChain::Bounds motion = chain_.bounds(joints, from.time, to.time);
+  const auto coarse = bound_of(motion, from, to, tolerance_);
+  if (coarse && keep(coarse->position, coarse->rotation)) return true;
+  if (const auto bound = bound_of(motion, from, to, fine())) return keep(bound->position, bound->rotation);
+  const End middle = middle_of(joints, motion, from, to);
+  return part_keeps(joints, from, middle) && part_keeps(joints, middle, to);
+}
+
+bool CartesianDeviationProof::keeps(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t segment) {
+  set_straight(a, b);
+  const auto [from, to] = ends_of(straight_, segment);
+  return part_keeps(straight_, from, to);
+}
+
+std::pair<CartesianDeviationProof::End, CartesianDeviationProof::End> CartesianDeviationProof::ends_of(
+    std::span<const detail::Cubic> joints, std::size_t segment) {
   const double time = joints.front().h;
   const LinkChain::Bounds motion = chain_.bounds(joints, 0.0, time);
   const double ahead =
       1.0 + std::max(motion.speed * time / tolerance_.position, motion.turning * time / tolerance_.rotation);
-  const End from = end_at(joints, 0.0, segment, 1.0), to = end_at(joints, time, from.miss.segment, ahead);
+  const End from = end_at(joints, 0.0, segment, 1.0);
+  return {from, end_at(joints, time, from.miss.segment, ahead)};
+}
+
+CartesianDeviation CartesianDeviationProof::over(std::span<const detail::Cubic> joints, std::size_t& segment) {
+  const auto [from, to] = ends_of(joints, segment);
   CartesianDeviation deviation;
   take_larger(deviation, from.miss.position, from.miss.rotation, tolerance_, 0.0);
   add_part(joints, from, to, deviation);
@@ -80,14 +120,12 @@ CartesianDeviation CartesianDeviationProof::over(std::span<const detail::Cubic> 
   return deviation;
 }
 
-CartesianDeviation CartesianDeviationProof::over(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
-                                                 std::size_t segment) {
+void CartesianDeviationProof::set_straight(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   const Eigen::VectorXd change = robot_.difference(a, b);
   for (std::size_t j = 0; j < straight_.size(); ++j) {
     const auto joint = static_cast<Eigen::Index>(j);
     straight_[j] = detail::line(a[joint], a[joint] + change[joint], 1.0);
   }
-  return over(straight_, segment);
 }
 
 CartesianDeviation prove_cartesian_deviation(const Trajectory& trajectory, const PlacedRobot& robot,

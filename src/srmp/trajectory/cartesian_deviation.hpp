@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "srmp/core/deadline.hpp"
@@ -29,8 +31,8 @@ class CartesianDeviationProof {
   /// Of the motion of all joints, each along its cubic, which take the same time. `segment` is where on the path it
   /// begins, and afterwards where it ends. The time is from the beginning of the cubics.
   CartesianDeviation over(std::span<const detail::Cubic> joints, std::size_t& segment);
-  /// Of the straight joint-space motion from a to b.
-  CartesianDeviation over(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t segment);
+  /// Is the straight joint-space motion from a to b proved to keep the tolerance? Takes less time than the deviation.
+  bool keeps(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t segment);
   /// How far a joint-space motion of length 1 moves the link, at most [m].
   double max_travel() const { return chain_.travel().norm(); }
   /// How far it turns the link, at most [rad].
@@ -42,8 +44,20 @@ class CartesianDeviationProof {
     Pose pose;
     CartesianPath::Miss miss;
   };
+  struct Bound {
+    double position, rotation;
+  };
+  CartesianTolerance fine() const { return {fineness * tolerance_.position, fineness * tolerance_.rotation}; }
   End end_at(std::span<const detail::Cubic> joints, double time, std::size_t first, double ahead);
+  End middle_of(std::span<const detail::Cubic> joints, const LinkChain::Bounds& motion, const End& from, const End& to);
+  std::pair<End, End> ends_of(std::span<const detail::Cubic> joints, std::size_t segment);
+  std::optional<Bound> bound_of(const LinkChain::Bounds& motion, const End& from, const End& to,
+                                const CartesianTolerance& fine) const;
   void add_part(std::span<const detail::Cubic> joints, const End& from, const End& to, CartesianDeviation& sum);
+  bool part_keeps(std::span<const detail::Cubic> joints, const End& from, const End& to);
+  void set_straight(const Eigen::VectorXd& a, const Eigen::VectorXd& b);
+
+  static constexpr double fineness = 0.1;  // of the tolerance: what bounds between ends may add
 
   const RobotModel& robot_;
   const std::size_t link_;

@@ -15,7 +15,7 @@ namespace srmp::detail {
 namespace {
 
 constexpr double spacing = 0.03;  // [s at full speed] between grid points of straight segments
-constexpr int min_straight = 8, max_straight = 60, per_corner = 8;  // grid intervals of a segment
+constexpr int min_straight = 8, max_straight = 60, per_corner = 4;  // grid intervals of a segment
 /// Segments are not divided into shorter intervals than this, or than a part of a short path: in tiny ones, rounding
 /// becomes acceleration.
 constexpr double min_interval = 5e-4;  // [s at full speed]

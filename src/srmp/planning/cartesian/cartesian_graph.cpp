@@ -152,9 +152,7 @@ void CartesianGraph::successors(search::StateId state, std::vector<search::Succe
 void CartesianGraph::evaluate(std::span<const search::Edge> edges, std::span<double> costs) {
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const State &from = states_[edges[i].from], &to = states_[edges[i].to];
-    const CartesianDeviation deviation = deviation_.over(from.q, to.q, layers_[to.layer].segment);
-    const bool keeps =
-        deviation.position <= options_.tolerance.position && deviation.rotation <= options_.tolerance.rotation;
+    const bool keeps = deviation_.keeps(from.q, to.q, layers_[to.layer].segment);
     costs[i] = keeps && is_motion_free(from, to) ? edges[i].cost : search::infinity;
   }
 }
