@@ -131,7 +131,7 @@ def test_the_proof_of_a_tiny_tolerance_ends_with_the_time_limit(arm_alone):
     arm_alone.make_planner("arm", {"planner_id": "auto", "time_limit": 0.2})
     here = arm_alone.compute_fk("arm", START)
     began = time.process_time()
-    with pytest.raises(srmp.PlanningError, match=r"time limit|cannot be"):
+    with pytest.raises(srmp.PlanningError, match=r"time limit|leaves the path by more than half of max_deviation"):
         arm_alone.plan_linear(START, moved(here, [0, 0.2, 0]), max_deviation=1e-10, max_rotation=1e-10)
     assert time.process_time() - began < 5  # it took minutes
 

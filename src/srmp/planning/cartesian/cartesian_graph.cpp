@@ -13,6 +13,7 @@ namespace srmp {
 namespace {
 
 constexpr double smallest_cost = 1e-9;  // of an edge [rad or m]
+constexpr double large_step = 0.3;      // [rad or m]: near singularities
 
 /// [m] to tenths of a millimetre.
 std::string rounded(double length) { return to_text(std::round(1e4 * length) / 1e4); }
@@ -203,8 +204,11 @@ std::string CartesianGraph::obstruction_behind(const State& state) {
                  "the way";
   const std::string why = invalidity_behind(state, *near);
   if (!why.empty()) return why;
-  return "the joints would have to move by " + rounded(context_.robot.difference(state.q, *near).norm()) +
-         " rad (m) in one step: a singularity is in the way";
+  const double moved = context_.robot.difference(state.q, *near).norm();
+  if (moved > large_step)
+    return "the joints would have to move by " + rounded(moved) + " rad (m) in one step: a singularity is in the way";
+  return "the shortest joint-space motion to the next pose, of " + rounded(moved) +
+         " rad (m), leaves the path by more than half of max_deviation or max_rotation";
 }
 
 std::string CartesianGraph::invalidity_behind(const State& state, const Eigen::VectorXd& q) {
