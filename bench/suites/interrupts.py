@@ -83,7 +83,7 @@ def chain(links: int) -> str:
 def plan() -> Call:
     planner = among_points()
     planner.make_planner("left", PLAN)
-    return lambda: planner.plan("left", turned(-0.9), joints(turned(0.9)))
+    return lambda: planner.plan("left", turned(-1.4), joints(turned(1.4)))
 
 
 def search() -> Call:
@@ -99,23 +99,36 @@ def search() -> Call:
 def plan_multi() -> Call:
     planner = among_points()
     planner.make_planner(["left", "right"], {"planner_id": "auto", "time_limit": 60.0, "improve_time": 60.0})
-    starts = {"left": turned(-0.9), "right": turned(-0.9)}
-    goals = {name: joints(turned(0.9)) for name in starts}
+    starts = {"left": turned(-1.4), "right": turned(-1.4)}
+    goals = {name: joints(turned(1.4)) for name in starts}
     return lambda: planner.plan_multi(starts, goals)
+
+
+def plan_multi_many() -> Call:
+    """25 arms that are timed and proved together for about as long as they are planned."""
+    planner, random = srmp.PlannerInterface(), np.random.default_rng(1)
+    starts, goals = {}, {}
+    for k in range(25):
+        name = f"arm{k}"
+        planner.add_robot("arm7", name=name, base_pose=srmp.Pose(p=[0.6 * (k % 5), 0.6 * (k // 5), 0]))
+        ready = np.array(planner.get_group_states(name)["ready"])
+        starts[name], goals[name] = ready, ready + random.uniform(-0.4, 0.4, 7)
+    planner.make_planner(list(starts), {"planner_id": "auto", "time_limit": 60.0})
+    return lambda: planner.plan_multi(starts, {name: joints(q) for name, q in goals.items()})
 
 
 def plan_many() -> Call:
     planner = among_points()
     planner.make_planner("left", PLAN)
-    request = srmp.PlanRequest("left", turned(-0.9), joints(turned(0.9)))
+    request = srmp.PlanRequest("left", turned(-1.4), joints(turned(1.4)))
     return lambda: planner.plan_many([request] * 8, 2)
 
 
 def plan_sequence() -> Call:
     planner = among_points()
     planner.make_planner("left", PLAN)
-    segments = [srmp.Segment.move(turned(0.9)), srmp.Segment.move(turned(-0.9))] * 4
-    return lambda: planner.plan_sequence("left", turned(-0.9), segments)
+    segments = [srmp.Segment.move(turned(1.4)), srmp.Segment.move(turned(-1.4))] * 4
+    return lambda: planner.plan_sequence("left", turned(-1.4), segments)
 
 
 def follow() -> Call:
@@ -183,6 +196,7 @@ CALLS = {
         plan,
         search,
         plan_multi,
+        plan_multi_many,
         plan_many,
         plan_sequence,
         follow,
@@ -221,7 +235,9 @@ def time_to_interrupt(terminal: subprocess.Popen[str], call: Call, delay: float)
         while True:
             try:
                 call()
-            except srmp.PlanningError:
+            except srmp.PlanningError as error:
+                if error.status in (srmp.Status.start_invalid, srmp.Status.goal_invalid):
+                    raise  # there is nothing to interrupt
                 time.sleep(0.001)
     except KeyboardInterrupt:
         now = time.perf_counter(), time.process_time()

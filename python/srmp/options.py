@@ -40,18 +40,18 @@ class _Options:
     """This heuristic guides the search: joint_euclidean, joint_proximal, joint_distal, joint_sum, bfs, bfs(0.1) for
     cells of 0.1 m, or the name of a user's heuristic."""
     resolution: float = 15.0
-    """A lattice has this step in revolute joints [degrees, > 0]."""
+    """A lattice has this step in revolute joints [degrees, > 0 and <= 360]."""
     prismatic_resolution: float = 0.05
-    """A lattice has this step in prismatic joints [m, > 0]."""
+    """A lattice has this step in prismatic joints [m, > 0 and <= 1000]."""
     mprim_path: str = ""
     """This YAML file defines the motion primitives; an empty path selects the built-in ones."""
     direction: str = "auto"
     """The search begins at the start (forward), at the goals (backward), or at the end with less clearance (auto)
     [auto | forward | backward]."""
     bfs_resolution: float = 0.05
-    """The grid of the bfs heuristic has cells of this size [m, > 0]."""
+    """The grid of the bfs heuristic has cells of this size [m, > 0 and <= 1000]."""
     bfs_radius: float = 0.05
-    """The grid of the bfs heuristic inflates obstacles by this radius [m, >= 0]."""
+    """The grid of the bfs heuristic inflates obstacles by this radius [m, >= 0 and <= 1000]."""
     ik_solutions: int = 16
     """Each target of a pose or position goal becomes at most this many valid configurations: of those that inverse
     kinematics finds, the nearest to the start [> 0]."""
@@ -75,13 +75,14 @@ class _Options:
     """The trajectory is time-optimal with rounded corners (toppra), jerk-limited with a stop at each corner (ruckig),
     or a path without times (none) [toppra | ruckig | none]."""
     blend_deviation: float = 0.005
-    """No point of the robot leaves the checked path by more than this distance at a rounded corner [m, >= 0]."""
+    """No point of the robot leaves the checked path by more than this distance at a rounded corner
+    [m, >= 0 and <= 1000]."""
     clearance: float = 0.0
     """The path keeps this clearance from everything, and the robot's links from each other; a pair that is closer at
-    the start or at the goal does not come closer on the way from or to there [m, >= 0]."""
+    the start or at the goal does not come closer on the way from or to there [m, >= 0 and <= 1000]."""
     preferred_clearance: float = 0.0
     """Shortening the path and rounding its corners give away no clearance below this that the searched path had
-    [m, >= 0]."""
+    [m, >= 0 and <= 1000]."""
     certify: bool = True
     """Code that is independent of the planner verifies the trajectory and attaches a certificate."""
 

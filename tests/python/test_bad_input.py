@@ -136,6 +136,8 @@ PLANNERS = [
     ({"planner_id": "wAstar", "weight": "heavy"}, "'weight' is 'heavy'; it must be a number"),
     ({"planner_id": "wAstar", "weight": NAN}, "'weight' is NaN"),
     ({"planner_id": "wAstar", "time_limit": 0}, "'time_limit' is 0; it must be above 0"),
+    ({"planner_id": "wAstar", "resolution": 1e300}, "'resolution' is 1e\\+300; it must be above 0 and at most 360"),
+    ({"planner_id": "auto", "clearance": 1e16}, "'clearance' is 1e\\+16; it must be at least 0 and at most 1000"),
     ({"planner_id": "wAstar", "time_limit": None}, "'time_limit' is None"),
     ({"planner_id": "wAstar", "heuristic": "bsf"}, "'heuristic' is 'bsf', did you mean 'bfs'"),
     ({"planner_id": "wPASE", "num_threads": 1.5}, "'num_threads' is 1.5; it must be a whole number"),

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/trajectory/cubic.hpp"
 #include "support/throws.hpp"
 
@@ -233,6 +234,13 @@ BOOST_AUTO_TEST_CASE(the_smallest_steps_take_time_too) {
     check_trajectory(time_parameterize(path, {"j"}, problem.limits, with(method, 1e-3)), problem, with(method, 1e-3));
 }
 
+BOOST_AUTO_TEST_CASE(the_slowest_joints_move_too) {
+  RowMatrix path(2, 1);
+  path << 0.0, 100.0;
+  const Trajectory t = time_parameterize(path, {"j"}, uniform_limits(1, 1e-6, 1, 10), {.sample_period = 1e6});
+  BOOST_TEST(t.duration() == 1e8, boost::test_tools::tolerance(0.05));  // speeds up along a grid interval
+}
+
 BOOST_AUTO_TEST_CASE(short_paths_and_close_waypoints_keep_the_limits_in_their_rows) {
   const MotionLimits limits = uniform_limits(3, 1, 2, 20);
   const auto check = [&](const RowMatrix& path) {
@@ -310,6 +318,20 @@ BOOST_AUTO_TEST_CASE(bad_input_is_refused_with_the_joint) {
   MotionLimits round = good;
   round.continuous = {true, false};
   check_throws<InvalidArgument>(run(4 * path, round, 0.01), "shoulder: the continuous joint moves by");
+}
+
+BOOST_AUTO_TEST_CASE(timing_can_be_interrupted_within_one_smooth_path) {
+  Random random(23);
+  RowMatrix path(20'000, 3);
+  for (Eigen::Index i = 0; i < path.rows(); ++i)
+    for (Eigen::Index j = 0; j < 3; ++j) path(i, j) = random.uniform(-1, 1);
+  int checks = 0;
+  const InterruptionScope scope([&] {
+    if (++checks == 3) throw PlanningError(Status::cancelled, "cancelled");
+  });
+  BOOST_CHECK_EXCEPTION(time_parameterize(path, names(3), uniform_limits(3, 1, 2, 20)), PlanningError,
+                        [](const PlanningError& error) { return error.status() == Status::cancelled; });
+  BOOST_TEST(checks == 3);
 }
 
 BOOST_AUTO_TEST_CASE(timing_stops_at_the_deadline) {

@@ -21,18 +21,18 @@ struct CommonOptions {
   /// This heuristic guides the search: joint_euclidean, joint_proximal, joint_distal, joint_sum, bfs, bfs(0.1) for
   /// cells of 0.1 m, or the name of a user's heuristic.
   std::string heuristic{"joint_euclidean"};
-  /// A lattice has this step in revolute joints [degrees, > 0].
+  /// A lattice has this step in revolute joints [degrees, > 0 and <= 360].
   double resolution{15.0};
-  /// A lattice has this step in prismatic joints [m, > 0].
+  /// A lattice has this step in prismatic joints [m, > 0 and <= 1000].
   double prismatic_resolution{0.05};
   /// This YAML file defines the motion primitives; an empty path selects the built-in ones.
   std::string mprim_path{};
   /// The search begins at the start (forward), at the goals (backward), or at the end with less clearance (auto)
   /// [auto | forward | backward].
   std::string direction{"auto"};
-  /// The grid of the bfs heuristic has cells of this size [m, > 0].
+  /// The grid of the bfs heuristic has cells of this size [m, > 0 and <= 1000].
   double bfs_resolution{0.05};
-  /// The grid of the bfs heuristic inflates obstacles by this radius [m, >= 0].
+  /// The grid of the bfs heuristic inflates obstacles by this radius [m, >= 0 and <= 1000].
   double bfs_radius{0.05};
   /// Each target of a pose or position goal becomes at most this many valid configurations: of those that inverse
   /// kinematics finds, the nearest to the start [> 0].
@@ -56,13 +56,14 @@ struct CommonOptions {
   /// The trajectory is time-optimal with rounded corners (toppra), jerk-limited with a stop at each corner (ruckig), or
   /// a path without times (none) [toppra | ruckig | none].
   std::string timing{"toppra"};
-  /// No point of the robot leaves the checked path by more than this distance at a rounded corner [m, >= 0].
+  /// No point of the robot leaves the checked path by more than this distance at a rounded corner
+  /// [m, >= 0 and <= 1000].
   double blend_deviation{0.005};
   /// The path keeps this clearance from everything, and the robot's links from each other; a pair that is closer at the
-  /// start or at the goal does not come closer on the way from or to there [m, >= 0].
+  /// start or at the goal does not come closer on the way from or to there [m, >= 0 and <= 1000].
   double clearance{0.0};
   /// Shortening the path and rounding its corners give away no clearance below this that the searched path had
-  /// [m, >= 0].
+  /// [m, >= 0 and <= 1000].
   double preferred_clearance{0.0};
   /// Code that is independent of the planner verifies the trajectory and attaches a certificate.
   bool certify{true};

@@ -5,6 +5,8 @@
 #include <map>
 #include <optional>
 
+#include "srmp/core/interruption.hpp"
+#include "srmp/core/stopping.hpp"
 #include "srmp/planning/certificates/joint_certificates.hpp"
 #include "srmp/planning/endpoints/close_motions.hpp"
 #include "srmp/planning/obstacles/timed_motion.hpp"
@@ -269,6 +271,7 @@ class CertifiedTiming {
     }
     options.deadline = &until;
     options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(path, a, b); };
+    const InterruptionScope stoppable([&until] { stop_if_late(until, "the path was timed"); });
     try {
       const Trajectory motion = detail::time_parameterize(waypoints, names, limits, options, bounds);
       if (common_.sample_rate == 0.0) return parts(motion, path);
@@ -294,6 +297,7 @@ class CertifiedTiming {
       if (const auto corner = close_corner(path, a, b))
         return is_near_start(path, *corner) ? close_->withdraws(a, b) : close_->withdraws(b, a);
     if (!world_) return is_motion_of_one_free(a, b) && keeps_preferred_clearance(path, a, b);
+    rare_interruption_point();
     if (deadline_.expired()) return false;  // too late to check the motions of several robots: corners are stops
     Eigen::Index first = 0;
     std::vector<Eigen::VectorXd> from, to;
@@ -306,9 +310,11 @@ class CertifiedTiming {
       if (!world_->is_free_for_one(path.robots[i], from[i]) ||
           !world_->is_free_for_one(path.robots[i], from[i], to[i], 1.0))
         return false;
-    for (std::size_t i = 0; i < path.robots.size(); ++i)
+    for (std::size_t i = 0; i < path.robots.size(); ++i) {
+      rare_interruption_point();
       for (std::size_t j = i + 1; j < path.robots.size(); ++j)
         if (!world_->are_collision_free(path.robots[i], from[i], to[i], path.robots[j], from[j], to[j])) return false;
+    }
     return true;
   }
 

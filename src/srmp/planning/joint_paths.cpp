@@ -33,13 +33,16 @@ class IndependenceDetection {
     world_->stop_at(deadline_);
     planner_ = std::make_unique<GroupPlanner>(*world_, problem_.options);
     statistics_.bound_graph = graph_of_bound();
-    find_groups();
-    statistics_.bound_graph = graph_of_bound();
-    smooth();
-    improve();
-    statistics_.states += world_->states();
-    statistics_.edge_checks += world_->pair_checks();
-    statistics_.memory_bytes += world_->memory() + planner_->memory();
+    try {
+      find_groups();
+      statistics_.bound_graph = graph_of_bound();
+      smooth();
+      improve();
+    } catch (...) {
+      count_work();
+      throw;
+    }
+    count_work();
     JointPaths paths{{}, smoothed_paths(), {}, lower()};
     for (Group& group : groups_) paths.raw.push_back(std::move(group.found.path));
     paths.world = std::move(world_);
@@ -53,6 +56,12 @@ class IndependenceDetection {
     JointPath smoothed;
     int number{};
   };
+
+  void count_work() {
+    statistics_.states += world_->states();
+    statistics_.edge_checks += world_->pair_checks();
+    statistics_.memory_bytes += world_->memory() + planner_->memory();
+  }
 
   std::vector<WorldTask> tasks(std::vector<RobotPath> alone) const {
     std::vector<WorldTask> tasks;

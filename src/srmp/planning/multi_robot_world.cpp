@@ -20,6 +20,8 @@ using search::StateId;
 
 namespace {
 
+/// That are remembered: of large groups so many that freeing them does not take long.
+constexpr std::size_t max_motions_of_pair = 4'096, max_motions_of_all = 262'144;
 constexpr double min_edge_cost = 1e-12;  // of edges, whose costs must be more than 0: a start may be a goal
 
 /// The result of a check; false where the deadline of its workspace cuts it off.
@@ -218,8 +220,13 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
 /// What is known of two robots, a < b. Threads share it.
 class MultiRobotWorld::Pair {
  public:
-  Pair(const GroupCheckers& checkers, std::size_t a, std::size_t b)
-      : checkers_(checkers), a_(a), b_(b), exact_{checkers.pair(a, b), checkers.pair(a, b)->make_workspace()} {}
+  /// Remembers so many motions.
+  Pair(const GroupCheckers& checkers, std::size_t a, std::size_t b, std::size_t max_motions)
+      : checkers_(checkers),
+        a_(a),
+        b_(b),
+        max_motions_(max_motions),
+        exact_{checkers.pair(a, b), checkers.pair(a, b)->make_workspace()} {}
 
   bool are_collision_free(const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, const Eigen::VectorXd& from_b,
                           const Eigen::VectorXd& to_b, const MotionQuery& query) {
@@ -231,7 +238,7 @@ class MultiRobotWorld::Pair {
     if (const auto known = motions_free_.find(key); known != motions_free_.end()) return known->second;
     const bool is_free = check(from_a, to_a, from_b, to_b, query);
     if (may_be_cut_off(*exact_.workspace)) return is_free;
-    if (motions_free_.size() == max_motions) motions_free_.clear();
+    if (motions_free_.size() == max_motions_) motions_free_.clear();
     motions_free_.emplace(std::move(key), is_free);
     return is_free;
   }
@@ -282,9 +289,8 @@ class MultiRobotWorld::Pair {
   }
   std::size_t memory() const {
     const std::lock_guard lock(mutex_);
-    std::size_t sum = memory_of(conflicts_) + memory_of(motions_free_);
-    for (const auto& [key, is_free] : motions_free_) sum += memory_of(key);
-    return sum;
+    const std::size_t key = motions_free_.empty() ? 0 : memory_of(motions_free_.begin()->first);  // all are as long
+    return memory_of(conflicts_) + memory_of(motions_free_) + motions_free_.size() * key;
   }
 
  private:
@@ -323,7 +329,7 @@ class MultiRobotWorld::Pair {
   }
 
   const GroupCheckers& checkers_;
-  const std::size_t a_, b_;
+  const std::size_t a_, b_, max_motions_;
   mutable std::mutex mutex_;
   Checking exact_, by_spheres_;  // the latter is made when it is first needed
   const Deadline* deadline_{};
@@ -332,10 +338,9 @@ class MultiRobotWorld::Pair {
   /// Two moves of two robots, times since the later of their starts.
   using MovePair = std::array<std::uint32_t, 8>;
   std::unordered_map<MovePair, bool, NumberHash> conflicts_;  // as far as checked: is it one?
-  /// Motions that were checked exactly, by the bits of their ends, up to max_motions; then it begins anew. Paths are
+  /// Motions that were checked exactly, by the bits of their ends, up to max_motions_; then it begins anew. Paths are
   /// smoothed in rounds, and each begins with motions of the one before.
   std::unordered_map<std::vector<std::uint64_t>, bool, NumberHash> motions_free_;
-  static constexpr std::size_t max_motions = 4'096;
 };
 
 MultiRobotWorld::MultiRobotWorld(const GroupCheckers& checkers, std::vector<WorldTask> tasks, const Options& options)
@@ -344,8 +349,12 @@ MultiRobotWorld::MultiRobotWorld(const GroupCheckers& checkers, std::vector<Worl
     agents_.push_back(std::make_unique<RobotAgent>(checkers.alone(i), std::move(tasks[i]), options));
     step_time_ = std::max(step_time_, options.resolution / agents_.back()->limits().velocity.mean());
     for (std::size_t j = i + 1; j < checkers.size(); ++j)
-      if (checkers.may_conflict(i, j)) pairs_.emplace(std::pair(i, j), std::make_unique<Pair>(checkers, i, j));
+      if (checkers.may_conflict(i, j)) pairs_.emplace(std::pair(i, j), nullptr);
   }
+  const std::size_t max_motions =
+      std::min(max_motions_of_pair, max_motions_of_all / std::max<std::size_t>(1, pairs_.size()));
+  for (auto& [numbers, pair] : pairs_)
+    pair = std::make_unique<Pair>(checkers, numbers.first, numbers.second, max_motions);
   for (const auto& robot : agents_) robot->step_time = step_time_;
 }
 MultiRobotWorld::~MultiRobotWorld() = default;

@@ -198,6 +198,8 @@ Knots time_all(const std::vector<SmoothPath>& paths, const MotionLimits& limits,
       part = SmoothPathTiming(paths[i], limits, options.method, own, bounds).time();
     } catch (const Overload&) {
       throw;
+    } catch (const PlanningError&) {  // it is time to stop
+      throw;
     } catch (const Error& error) {
       const std::string where = "part " + std::to_string(i + 1) + " of " + std::to_string(paths.size());
       if (own.at_rest()) throw Error("time parameterisation failed on " + where + ": " + error.what());

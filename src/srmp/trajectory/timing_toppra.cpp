@@ -15,7 +15,7 @@ namespace srmp::detail {
 namespace {
 
 constexpr double spacing = 0.03;  // [s at full speed] between grid points of straight segments
-constexpr int min_straight = 8, max_straight = 60, per_corner = 4;  // grid intervals of a segment
+constexpr double min_straight = 8.0, max_straight = 60.0, per_corner = 4.0;  // grid intervals of a segment
 /// Segments are not divided into shorter intervals than this, or than a part of a short path: in tiny ones, rounding
 /// becomes acceleration.
 constexpr double min_interval = 5e-4;  // [s at full speed]
@@ -82,9 +82,9 @@ class ScaledPath : public toppra::GeometricPath {
     std::vector<double> points{0.0};
     for (std::size_t i = 0; i < path_.size(); ++i) {
       const double end = i + 1 < path_.size() ? begins_[i + 1] : 1.0;
-      const int straight = std::clamp(static_cast<int>(path_[i].length / spacing), min_straight, max_straight);
-      const int most = std::max(1, static_cast<int>(path_[i].length / shortest));
-      const int count = std::min(path_[i].rounded ? per_corner : straight, most);
+      const double straight = std::clamp(path_[i].length / spacing, min_straight, max_straight);
+      const double most = std::max(1.0, path_[i].length / shortest);
+      const int count = static_cast<int>(std::min(path_[i].rounded ? per_corner : straight, most));
       for (int k = 1; k <= count; ++k) points.push_back(k == count ? end : begins_[i] + (end - begins_[i]) * k / count);
     }
     return Eigen::Map<const Eigen::VectorXd>(points.data(), static_cast<Eigen::Index>(points.size()));

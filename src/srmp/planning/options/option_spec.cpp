@@ -88,8 +88,13 @@ std::string range_text(const Allowed& allowed) {
 
 Allowed anything() { return {}; }
 Allowed above(double low, std::string unit) { return {.low = low, .excludes_low = true, .unit = std::move(unit)}; }
-Allowed above_up_to(double low, double high) { return {.low = low, .high = high, .excludes_low = true}; }
+Allowed above_up_to(double low, double high, std::string unit) {
+  return {.low = low, .high = high, .excludes_low = true, .unit = std::move(unit)};
+}
 Allowed at_least(double low, std::string unit) { return {.low = low, .unit = std::move(unit)}; }
+Allowed between(double low, double high, std::string unit) {
+  return {.low = low, .high = high, .unit = std::move(unit)};
+}
 Allowed one_of(std::vector<std::string> choices) { return {.choices = std::move(choices)}; }
 Allowed heuristic_names() { return {.names_heuristics = true}; }
 

@@ -27,8 +27,9 @@ struct Allowed {
 
 Allowed anything();
 Allowed above(double low, std::string unit = {});
-Allowed above_up_to(double low, double high);
+Allowed above_up_to(double low, double high, std::string unit = {});
 Allowed at_least(double low, std::string unit = {});
+Allowed between(double low, double high, std::string unit = {});  ///< both included
 Allowed one_of(std::vector<std::string> choices);
 Allowed heuristic_names();
 

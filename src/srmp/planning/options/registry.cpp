@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/lengths.hpp"
 #include "srmp/planning/options/other_vocabularies.hpp"
 
 namespace srmp {
@@ -19,17 +20,18 @@ std::vector<OptionSpec> common_option_specs() {
       common_option("heuristic", &C::heuristic, heuristic_names(),
                     "This heuristic guides the search: joint_euclidean, joint_proximal, joint_distal, joint_sum, bfs, "
                     "bfs(0.1) for cells of 0.1 m, or the name of a user's heuristic."),
-      common_option("resolution", &C::resolution, above(0.0, "degrees"), "A lattice has this step in revolute joints."),
-      common_option("prismatic_resolution", &C::prismatic_resolution, above(0.0, "m"),
+      common_option("resolution", &C::resolution, above_up_to(0.0, 360.0, "degrees"),
+                    "A lattice has this step in revolute joints."),
+      common_option("prismatic_resolution", &C::prismatic_resolution, above_up_to(0.0, max_length, "m"),
                     "A lattice has this step in prismatic joints."),
       common_option("mprim_path", &C::mprim_path, anything(),
                     "This YAML file defines the motion primitives; an empty path selects the built-in ones."),
       common_option("direction", &C::direction, one_of({"auto", "forward", "backward"}),
                     "The search begins at the start (forward), at the goals (backward), or at the end with less "
                     "clearance (auto)."),
-      common_option("bfs_resolution", &C::bfs_resolution, above(0.0, "m"),
+      common_option("bfs_resolution", &C::bfs_resolution, above_up_to(0.0, max_length, "m"),
                     "The grid of the bfs heuristic has cells of this size."),
-      common_option("bfs_radius", &C::bfs_radius, at_least(0.0, "m"),
+      common_option("bfs_radius", &C::bfs_radius, between(0.0, max_length, "m"),
                     "The grid of the bfs heuristic inflates obstacles by this radius."),
       common_option(
           "ik_solutions", &C::ik_solutions, above(0.0),
@@ -55,12 +57,12 @@ std::vector<OptionSpec> common_option_specs() {
       common_option("timing", &C::timing, one_of({"toppra", "ruckig", "none"}),
                     "The trajectory is time-optimal with rounded corners (toppra), jerk-limited with a stop at each "
                     "corner (ruckig), or a path without times (none)."),
-      common_option("blend_deviation", &C::blend_deviation, at_least(0.0, "m"),
+      common_option("blend_deviation", &C::blend_deviation, between(0.0, max_length, "m"),
                     "No point of the robot leaves the checked path by more than this distance at a rounded corner."),
-      common_option("clearance", &C::clearance, at_least(0.0, "m"),
+      common_option("clearance", &C::clearance, between(0.0, max_length, "m"),
                     "The path keeps this clearance from everything, and the robot's links from each other; a pair that "
                     "is closer at the start or at the goal does not come closer on the way from or to there."),
-      common_option("preferred_clearance", &C::preferred_clearance, at_least(0.0, "m"),
+      common_option("preferred_clearance", &C::preferred_clearance, between(0.0, max_length, "m"),
                     "Shortening the path and rounding its corners give away no clearance below this that the searched "
                     "path had."),
       common_option("certify", &C::certify, anything(),
