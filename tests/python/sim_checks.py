@@ -39,9 +39,12 @@ def random_free(planner: srmp.PlannerInterface, robot: str, random: np.random.Ge
 
 
 def executes_random_plans(world: SimulatedWorld, robot: str, count: int = 10, seed: int = 0) -> None:
-    """From where the robot is to random places: it gets there, and touches nothing that it may not."""
+    """From where the robot is to random places: it gets there, and touches nothing that it may not.
+
+    The clearance is for the simulator's controller, which follows a motion to a fraction of a millimetre.
+    """
     planner, random = world.planner, np.random.default_rng(seed)
-    planner.make_planner(robot, {"planner_id": "auto", "time_limit": 10})
+    planner.make_planner(robot, {"planner_id": "auto", "time_limit": 10, "clearance": 0.002})
     done = 0
     while done < count:
         world.refresh()
