@@ -321,8 +321,8 @@ class PlannerInterface {
   /// comes closer still. Throws PlanningError: start_invalid; goal_invalid; timed_out; cancelled; or exhausted, with
   /// how far the link came and what stopped it (a contact, the clearance, a constraint, the joint limits, a
   /// singularity). Throws InvalidArgument for an unknown robot or link (with the nearest name), a link that no planned
-  /// joint moves, constraints as plan, a wrong size, NaN, no poses, and tolerances that are not above 0 and at most
-  /// 0.1 m and 0.5 rad. last_request and last_result are none afterwards.
+  /// joint moves, constraints as plan, a wrong size, NaN, no poses, poses or a path beyond 1000 m, and tolerances that
+  /// are not above 0 and at most 0.1 m and 0.5 rad. last_request and last_result are none afterwards.
   Trajectory follow(const std::string& robot, ConstVector start, const std::vector<Pose>& poses,
                     const CartesianOptions& options = {}, const Interrupt& interrupt = {});
   /// Motions, grasps and waits in a row, from `start` (dof,) [rad or m]: each segment begins where the one before ends,

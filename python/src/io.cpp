@@ -1,4 +1,6 @@
 #include "bind.hpp"
+#include "interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/core/write_file.hpp"
 #include "srmp/io/moveit.hpp"
 
@@ -24,7 +26,13 @@ void bind_io(nb::module_& m) {
 
 Raises FileError with the line, and NotSupported for what this version does not plan with (path constraints, say).)");
   m.def(
-      "_write_file", [](const nb::object& path, const std::string& text) { write_file(to_path(path), text); },
+      "_write_file",
+      [](const nb::object& path, const std::string& text) {
+        const std::string name = to_path(path);
+        const InterruptionScope interruptible(raise_interrupt);
+        const nb::gil_scoped_release no_gil;
+        write_file(name, text);
+      },
       nb::arg("path"), nb::arg("text"), nb::sig("def _write_file(path: str | os.PathLike[str], text: str) -> None"),
       "Writes a file completely or not at all, as all files of the library. Raises FileError.");
 }

@@ -220,8 +220,8 @@ start or an end may be closer to something than the clearance: on the way from t
 closer still. Raises PlanningError: start_invalid, goal_invalid, timed_out, cancelled, or exhausted, with how far the
 link came and what stopped it (a contact, the clearance, a constraint, the joint limits, a singularity). Raises
 InvalidArgument for an unknown robot, link or frame (with the nearest name), a link that no planned joint moves, a
-constraint that no planned joint changes, a wrong size, NaN, no poses, and tolerances that are not above 0 and at most
-0.1 m and 0.5 rad. last_request and last_result are None afterwards.)";
+constraint that no planned joint changes, a wrong size, NaN, no poses, poses or a path beyond 1000 m, and tolerances
+that are not above 0 and at most 0.1 m and 0.5 rad. last_request and last_result are None afterwards.)";
 
 constexpr const char* linear_doc =
     R"(A timed, collision-free trajectory on which a link (default: the end effector) moves in a straight line from where it

@@ -88,6 +88,19 @@ BOOST_AUTO_TEST_CASE(pipes_are_written_to_and_stay) {
   BOOST_TEST(std::filesystem::is_fifo(path));
 }
 
+BOOST_AUTO_TEST_CASE(open_files_of_the_process_are_continued) {
+  const TemporaryDirectory directory;
+  const std::string log = directory.path("log");
+  const int descriptor = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+  BOOST_REQUIRE_EQUAL(::write(descriptor, "before ", 7), 7);
+  srmp::write_file("/proc/self/fd/" + std::to_string(descriptor), "text");
+  srmp::write_file("/dev/fd/" + std::to_string(descriptor), " more");
+  BOOST_REQUIRE_EQUAL(::write(descriptor, " after", 6), 6);
+  ::close(descriptor);
+  BOOST_CHECK_EQUAL(text_of(log), "before text more after");
+  check_throws<srmp::FileError>([] { srmp::write_file("/proc/self/fd/987654", "x"); }, "cannot be written");
+}
+
 BOOST_AUTO_TEST_CASE(a_file_that_cannot_be_written_is_an_error_and_leaves_no_file) {
   const TemporaryDirectory directory;
   check_throws<srmp::FileError>([&] { srmp::write_file(directory.path("nowhere/a"), "x"); },

@@ -96,6 +96,16 @@ def test_close_poses_are_followed_by_few_rows_that_keep_the_limits(arm_alone, co
     assert np.abs(np.linalg.norm(points - center, axis=1) - 0.05).max() <= 1e-3 + 1e-6
 
 
+@pytest.mark.parametrize(("wiggle", "count"), [(2e-4, 50), (1e-4, 300), (2.4e-4, 200)])
+def test_poses_that_wiggle_by_less_than_the_tolerance_are_followed_in_order(arm_alone, wiggle, count):
+    here = arm_alone.compute_fk("arm", START)
+    still = [moved(here, wiggle * np.array([np.sin(i), np.cos(i), 0])) for i in range(count)]
+    for poses in ([*still, moved(here, [0, 0, 0.05])], [moved(here, [0, 0, 0.05]), *still, moved(here, [0, 0, 0.03])]):
+        motion = arm_alone.follow(START, poses)
+        assert motion.certificate.holds
+        assert motion.certificate.cartesian_deviation.position <= 1e-3
+
+
 def test_poses_where_the_robot_is_already(arm_alone):
     here = arm_alone.compute_fk("arm", START)
     there = moved(here, [0, 0, 0.03])

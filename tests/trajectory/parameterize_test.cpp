@@ -320,7 +320,7 @@ BOOST_AUTO_TEST_CASE(bad_input_is_refused_with_the_joint) {
   check_throws<InvalidArgument>(run(4 * path, round, 0.01), "shoulder: the continuous joint moves by");
 }
 
-BOOST_AUTO_TEST_CASE(timing_can_be_interrupted_within_one_smooth_path) {
+BOOST_AUTO_TEST_CASE(long_timings_can_be_interrupted) {
   Random random(23);
   RowMatrix path(20'000, 3);
   for (Eigen::Index i = 0; i < path.rows(); ++i)

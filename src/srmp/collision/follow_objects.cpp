@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
+#include <utility>
 
 #include "srmp/collision/bodies.hpp"
 #include "srmp/collision/contact_rules.hpp"

@@ -13,11 +13,11 @@ Pose checked(const Eigen::Vector3d& p, double x, double y, double z, double w) {
   const std::array<double, 4> xyzw{x, y, z, w};
   require_finite(xyzw, "pose quaternion");
   const Eigen::Quaterniond q(w, x, y, z);
-  const double length = q.coeffs().stableNorm();  // squares may be out of range
-  if (length < 1e-9)
+  const double largest = q.coeffs().cwiseAbs().maxCoeff();  // squares of larger ones may be out of range
+  if (const double length = largest > 1e-9 ? 1.0 : q.coeffs().stableNorm(); length < 1e-9)
     throw InvalidArgument("pose quaternion is " + std::string(length == 0.0 ? "zero" : "of length " + to_text(length)) +
                           "; a rotation needs a non-zero [x, y, z, w], e.g. [0, 0, 0, 1]");
-  return {p, length < 1e100 ? q.normalized() : Eigen::Quaterniond(q.coeffs() / length)};
+  return {p, largest < 1e100 ? q.normalized() : Eigen::Quaterniond(q.coeffs() / largest).normalized()};
 }
 
 }  // namespace

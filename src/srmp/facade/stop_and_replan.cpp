@@ -66,6 +66,7 @@ Trajectory PlannerInterface::stop(const Trajectory& motion, double t, const Inte
 Trajectory PlannerInterface::replan(const Trajectory& motion, double t, PlanRequest request,
                                     const Interrupt& interrupt) {
   require_instant(motion, t, impl_->model(request.robot));
+  t = detail::time_of_near_row(motion.times, t);
   if (request.options) validate(*request.options);
   const CommonOptions options = common_options(request.options ? *request.options : planner_options({request.robot}));
   require_no_sample_rate(options, "a motion that leaves another one");

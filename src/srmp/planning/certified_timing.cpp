@@ -139,6 +139,9 @@ class CertifiedTiming {
       try {
         const PhaseTimer timer(until, statistics.timing_time_s);
         group.trajectories = in_time(group.path, deviation, until);
+      } catch (const PlanningError& error) {
+        if (group.certificates.empty() || error.status() != Status::timed_out) throw;
+        return;  // what is timed already is kept, though not proved
       } catch (const InvalidArgument&) {
         // A rounded corner may need a speed to which the robot cannot brake from that of its start.
         if (deviation == 0.0 || !problem_.robots.front().start_in_motion) throw;

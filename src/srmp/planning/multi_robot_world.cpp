@@ -238,7 +238,7 @@ class MultiRobotWorld::Pair {
     if (const auto known = motions_free_.find(key); known != motions_free_.end()) return known->second;
     const bool is_free = check(from_a, to_a, from_b, to_b, query);
     if (may_be_cut_off(*exact_.workspace)) return is_free;
-    if (motions_free_.size() == max_motions_) motions_free_.clear();
+    if (motions_free_.size() >= max_motions_) motions_free_.clear();
     motions_free_.emplace(std::move(key), is_free);
     return is_free;
   }

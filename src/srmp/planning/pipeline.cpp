@@ -54,8 +54,12 @@ class Pipeline {
     for (RowMatrix& waypoints : lead.followed_by(path.waypoints)) {
       JointPaths paths;
       paths.smoothed.push_back(path_of_one(std::move(waypoints)));
-      MultiTrajectory motion = certified_timing(problem_, std::move(paths), 0, work_, deadline_, statistics_);
-      if (best.robots.empty() || motion.duration() < best.duration()) best = std::move(motion);
+      try {
+        MultiTrajectory motion = certified_timing(problem_, std::move(paths), 0, work_, deadline_, statistics_);
+        if (best.robots.empty() || motion.duration() < best.duration()) best = std::move(motion);
+      } catch (const PlanningError& error) {
+        if (best.robots.empty() || error.status() != Status::timed_out) throw;
+      }
       if (deadline_.stop_requested()) break;
     }
     statistics_.makespan_s = statistics_.flow_time_s = best.duration();

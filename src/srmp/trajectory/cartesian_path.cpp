@@ -46,12 +46,14 @@ CartesianPath CartesianPath::seen_from(const Pose& frame) const {
 
 CartesianPath CartesianPath::thinned(const CartesianTolerance& closer) const {
   std::vector<Pose> kept{poses_.front()};
-  const auto is_close = [&](const Pose& pose) {
-    return (pose.p - kept.back().p).norm() < closer.position &&
-           turn_between(kept.back().q, pose.q).norm() < closer.rotation;
-  };
-  for (std::size_t i = 1; i + 1 < poses_.size(); ++i)
-    if (!is_close(poses_[i])) kept.push_back(poses_[i]);
+  double length = 0.0, angle = 0.0;  // since the last kept one
+  for (std::size_t i = 1; i + 1 < poses_.size(); ++i) {
+    length += lengths_[i - 1];
+    angle += angles_[i - 1];
+    if (length < closer.position && angle < closer.rotation) continue;
+    kept.push_back(poses_[i]);
+    length = angle = 0.0;
+  }
   kept.push_back(poses_.back());
   return CartesianPath(std::move(kept));
 }

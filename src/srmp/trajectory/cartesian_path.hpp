@@ -24,7 +24,7 @@ class CartesianPath {
   /// The same path in the frame whose pose in this frame is `frame`.
   CartesianPath seen_from(const Pose& frame) const;
 
-  /// The same path without poses that are closer than this to the last one that is kept. The ends stay.
+  /// The same path without poses to which it is shorter than this from the last one that is kept. The ends stay.
   CartesianPath thinned(const CartesianTolerance& closer) const;
 
   /// How far a pose is from the path: from the place on a segment that is nearest to it by both tolerances.

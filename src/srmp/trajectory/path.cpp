@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/interruption.hpp"
 
 namespace srmp {
 
@@ -74,6 +75,7 @@ RowMatrix without_redundant_waypoints(ConstRows waypoints) {
 
   std::vector<Eigen::Index> kept;
   for (Eigen::Index i = 0; i < path.rows(); ++i) {
+    interruption_point();
     const bool end = i == 0 || i + 1 == path.rows();
     // Compared with the whole run since the last kept one, so that small errors cannot add up.
     if (end || !on_one_line(path, kept.back(), i + 1)) kept.push_back(i);

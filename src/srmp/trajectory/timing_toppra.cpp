@@ -83,7 +83,7 @@ class ScaledPath : public toppra::GeometricPath {
     for (std::size_t i = 0; i < path_.size(); ++i) {
       const double end = i + 1 < path_.size() ? begins_[i + 1] : 1.0;
       const double straight = std::clamp(path_[i].length / spacing, min_straight, max_straight);
-      const double most = std::max(1.0, path_[i].length / shortest);
+      const double most = std::max(min_intervals(i), path_[i].length / shortest);
       const int count = static_cast<int>(std::min(path_[i].rounded ? per_corner : straight, most));
       for (int k = 1; k <= count; ++k) points.push_back(k == count ? end : begins_[i] + (end - begins_[i]) * k / count);
     }
@@ -91,6 +91,12 @@ class ScaledPath : public toppra::GeometricPath {
   }
 
  private:
+  /// Motions speed up and brake on straight segments, but for those that are shorter than the corners beside them.
+  double min_intervals(std::size_t i) const {
+    const double before = i > 0 ? path_[i - 1].length : 0.0, after = i + 1 < path_.size() ? path_[i + 1].length : 0.0;
+    return path_[i].rounded || path_[i].length < std::max(before, after) ? 1.0 : 4.0;
+  }
+
   const SmoothPath& path_;
   const Scales& scales_;
   std::vector<double> begins_;  // in 0 … 1

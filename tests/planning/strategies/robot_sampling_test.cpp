@@ -48,7 +48,7 @@ BOOST_AUTO_TEST_CASE(the_margin_grows) {
   const auto robot = robots::planar();
   const Vector2d at(0.0, 0.0);
   const RobotSamplingOptions options{
-      .first_margin = 0.25, .near_margin = 1.0, .growing_samples = 100.0, .far_fraction = 0.0};
+      .first_margin = 0.25, .near_margin = 1.0, .growing_samples = 100, .far_fraction = 0.0};
   const search::RrtSpace space = rrt_space(*robot, at, {at}, options);
   search::RandomSequence random(1);
   double farthest = 0.0;

@@ -207,6 +207,7 @@ std::string CartesianGraph::obstruction_behind(const State& state) {
   const double moved = context_.robot.difference(state.q, *near).norm();
   if (moved > large_step)
     return "the joints would have to move by " + rounded(moved) + " rad (m) in one step: a singularity is in the way";
+  if (deviation_.keeps(state.q, *near, layers_[next].segment)) return "the search ended before it went on";
   return "the shortest joint-space motion to the next pose, of " + rounded(moved) +
          " rad (m), leaves the path by more than half of max_deviation or max_rotation";
 }

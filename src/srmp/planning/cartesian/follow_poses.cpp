@@ -20,15 +20,15 @@ struct FollowTuning {
   std::vector<double> steps{0.02, 0.01, 0.005};    ///< [m] between poses, one search each: coarse ones are quicker
   std::vector<double> close_steps{0.005, 0.0025};  ///< [m] where an end surely is closer than the clearance
   double turn_of_step{3.5};                        ///< [rad/m]: poses are no farther apart in rotation
-  /// Before poses are searched that cannot be reached at all, which takes about as long as so many for each layer: most
-  /// paths are found within fewer.
+  /// Before poses are searched that cannot be reached at all: most paths are found within fewer. That search takes as
+  /// long as some expansions for each layer.
   std::uint64_t first_expansions{500}, first_of_layer{4};
   /// Beyond these, for each layer of a graph whose ends may be closer than the clearance: motions near such ends take
   /// long to check, and where none leads on, the robot's redundancy has many.
   std::uint64_t close_expansions{5};
   double weight{15.0};   ///< of the heuristic: much of it follows the nearest configurations
   double fraction{0.5};  ///< of the tolerance that the straight segments may use; rounded corners have the rest
-  double closer{0.25};   ///< than this fraction of the tolerance: poses of which only the first is searched for
+  double closer{0.25};   ///< poses along less than this fraction of the tolerance: only the first is searched for
   /// Of the tolerance: how far corners may be rounded, one after the other until the motion keeps to the poses.
   std::vector<double> corners{0.5, 0.1, 0.02, 0.0};
 };

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <charconv>
-#include <limits>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/lengths.hpp"
 #include "srmp/planning/options/registry.hpp"
 
 namespace srmp {
@@ -17,11 +17,10 @@ std::optional<double> bfs_cell(const std::string& heuristic) {
   double cell{};
   const char* end = heuristic.data() + heuristic.size();
   const auto [stop, error] = std::from_chars(heuristic.data() + 4, end, cell);
-  if (error == std::errc{} && stop + 1 == end && *stop == ')' && cell > 0.0 &&
-      cell < std::numeric_limits<double>::infinity())
-    return cell;
+  if (error == std::errc{} && stop + 1 == end && *stop == ')' && cell > 0.0 && cell <= max_length) return cell;
   throw InvalidArgument("heuristic '" + heuristic +
-                        "': between the brackets must be the cell of the grid [m], above 0");
+                        "': between the brackets must be the cell of the grid [m], above 0 and at most " +
+                        to_text(max_length));
 }
 
 Improvement improvement(const PlannerOptions& options) {

@@ -74,7 +74,7 @@ class Samples {
   }
 
   double near_margin() const {
-    const double grown = std::min(1.0, static_cast<double>(taken_) / options_.growing_samples);
+    const double grown = std::min(1.0, static_cast<double>(taken_) / static_cast<double>(options_.growing_samples));
     return options_.first_margin + grown * (options_.near_margin - options_.first_margin);
   }
 

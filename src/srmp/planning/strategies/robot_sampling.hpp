@@ -14,8 +14,9 @@ struct RobotSamplingOptions {
       0.7};  ///< over all joints [rad, prismatic joints m]: longer steps need fewer checks, and fail more often
   /// Samples are in the box around the straight motions to the goals, made wider on each side by a margin [rad,
   /// prismatic joints m] that grows from `first_margin` to `near_margin` over the first `growing_samples`: with a
-  /// smaller one short paths take fewer samples, and detours more.
-  double first_margin{M_PI / 2}, near_margin{M_PI / 2}, growing_samples{512};
+  /// smaller margin short paths take fewer samples, and detours more.
+  double first_margin{M_PI / 2}, near_margin{M_PI / 2};
+  std::size_t growing_samples{512};
   /// This fraction of the samples is in a box made wider by `far_margin`, for large detours.
   double far_fraction{0.2}, far_margin{2 * M_PI};
   /// The first `direct_samples` are moved towards a straight motion to a goal, to `direct_distance` of the distance
