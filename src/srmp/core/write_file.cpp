@@ -66,20 +66,20 @@ int write_all(int descriptor, std::string_view text) {
   return 0;
 }
 
-/// The same, and waits until the text is on the disk.
+/// Returns the error, or that of closing.
+int closed(int descriptor, int error) { return ::close(descriptor) != 0 && error == 0 ? errno : error; }
+
+/// The same as write_all, and waits until the text is on the disk.
 int write_and_close(int descriptor, std::string_view text) {
   int error = write_all(descriptor, text);
   if (error == 0 && ::fsync(descriptor) != 0) error = errno;
-  if (::close(descriptor) != 0 && error == 0) error = errno;
-  return error;
+  return closed(descriptor, error);
 }
 
 /// To an open file of this process, where it stands.
 int write_to_open_file(int number, std::string_view text) {
   const int descriptor = ::fcntl(number, F_DUPFD_CLOEXEC, 0);
-  if (descriptor < 0) return errno;
-  const int error = write_all(descriptor, text);
-  return ::close(descriptor) != 0 && error == 0 ? errno : error;
+  return descriptor < 0 ? errno : closed(descriptor, write_all(descriptor, text));
 }
 
 /// Through a device or a pipe, which stays what it is. A pipe that nobody has open is an error: to wait for a reader
@@ -87,8 +87,7 @@ int write_to_open_file(int number, std::string_view text) {
 int write_through(const std::filesystem::path& path, std::string_view text) {
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return errno;
-  const int error = ::fcntl(descriptor, F_SETFL, 0) == 0 ? write_all(descriptor, text) : errno;
-  return ::close(descriptor) != 0 && error == 0 ? errno : error;
+  return closed(descriptor, ::fcntl(descriptor, F_SETFL, 0) == 0 ? write_all(descriptor, text) : errno);
 }
 
 /// Owner, group and permissions of the old file, as far as that is allowed. Another group gets none of those that the

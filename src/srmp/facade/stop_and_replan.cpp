@@ -36,6 +36,7 @@ Trajectory from_time_0(Trajectory motion) {
 Trajectory PlannerInterface::stop(const std::string& robot, const Trajectory& motion, double t,
                                   const Interrupt& interrupt) const {
   require_instant(motion, t, impl_->model(robot));
+  t = detail::time_of_near_row(motion.times, t);
   const CommonOptions& options = common_options(planner_options({robot}));
   require_no_sample_rate(options, "a stop");
   const Deadline deadline(options.time_limit, interrupt);
@@ -44,7 +45,7 @@ Trajectory PlannerInterface::stop(const std::string& robot, const Trajectory& mo
   timing.deadline = &deadline;
   const MotionLimits limits = scaled(impl_->limits_of(robot), options);
   Trajectory result = stop_on_path(motion, t, limits, timing);
-  const MotionState at = motion.state(detail::time_of_near_row(motion.times, t));
+  const MotionState at = motion.state(t);
   const bool ruckig = timing.method == TimingMethod::ruckig;
   const Certificate certificate = verify(robot, result,
                                          {.start = at.position,

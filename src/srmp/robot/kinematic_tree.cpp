@@ -13,17 +13,17 @@ namespace srmp {
 
 namespace {
 
-Eigen::Isometry3d isometry(const pinocchio::SE3& pose) {
-  Eigen::Isometry3d result;
-  result.linear() = pose.rotation();
-  result.translation() = pose.translation();
-  result.makeAffine();
-  return result;
-}
-
+/// All but the last row, which stays.
 void write(const pinocchio::SE3& pose, Eigen::Isometry3d& result) {
   result.linear() = pose.rotation();
   result.translation() = pose.translation();
+}
+
+Eigen::Isometry3d isometry(const pinocchio::SE3& pose) {
+  Eigen::Isometry3d result;
+  write(pose, result);
+  result.makeAffine();
+  return result;
 }
 
 /// What Pinocchio's forwardKinematics does for one joint.

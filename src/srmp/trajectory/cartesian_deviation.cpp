@@ -45,6 +45,11 @@ CartesianDeviationProof::End CartesianDeviationProof::end_at(std::span<const det
   return {time, pose, path_.miss(pose, first, ahead, tolerance_)};
 }
 
+/// Of a link that moves for so long, in tolerances.
+double CartesianDeviationProof::ahead(const LinkChain::Bounds& motion, double time) const {
+  return 1.0 + std::max(motion.speed * time / tolerance_.position, motion.turning * time / tolerance_.rotation);
+}
+
 /// Bounds on the misses between two ends; none while they are not fine enough.
 std::optional<CartesianDeviationProof::Bound> CartesianDeviationProof::bound_of(const LinkChain::Bounds& motion,
                                                                                 const End& from, const End& to,
@@ -52,24 +57,21 @@ std::optional<CartesianDeviationProof::Bound> CartesianDeviationProof::bound_of(
   const double time = to.time - from.time;
   const double position = motion.acceleration * time * time / 8.0;
   const double rotation = 0.38 * motion.turning_acceleration * time * time;
-  const double most = std::max(from.miss.position, to.miss.position);
-  const double most_turned = std::max(from.miss.rotation, to.miss.rotation);
+  const double position_at_ends = std::max(from.miss.position, to.miss.position);
+  const double rotation_at_ends = std::max(from.miss.rotation, to.miss.rotation);
   if (from.miss.segment == to.miss.segment && position <= fine.position && rotation <= fine.rotation &&
       motion.turning * time <= longest_turn)
-    return Bound{most + position, 1.01 * most_turned + rotation};
+    return Bound{position_at_ends + position, 1.01 * rotation_at_ends + rotation};
   const double moved = motion.speed * time / 2.0, turned = motion.turning * time / 2.0;  // from the nearer end
   if ((moved <= fine.position && turned <= fine.rotation) || time <= shortest_part)
-    return Bound{most + moved, most_turned + turned};
+    return Bound{position_at_ends + moved, rotation_at_ends + turned};
   return std::nullopt;
 }
 
 CartesianDeviationProof::End CartesianDeviationProof::middle_of(std::span<const detail::Cubic> joints,
                                                                 const LinkChain::Bounds& motion, const End& from,
                                                                 const End& to) {
-  const double time = to.time - from.time;
-  const double ahead =
-      1.0 + std::max(motion.speed * time / tolerance_.position, motion.turning * time / tolerance_.rotation);
-  return end_at(joints, (from.time + to.time) / 2.0, from.miss.segment, ahead);
+  return end_at(joints, (from.time + to.time) / 2.0, from.miss.segment, ahead(motion, to.time - from.time));
 }
 
 void CartesianDeviationProof::add_part(std::span<const detail::Cubic> joints, const End& from, const End& to,
@@ -83,9 +85,7 @@ void CartesianDeviationProof::add_part(std::span<const detail::Cubic> joints, co
 }
 
 bool CartesianDeviationProof::part_keeps(std::span<const detail::Cubic> joints, const End& from, const End& to) {
-  const auto keep = [&](double position, double rotation) {
-    return position <= tolerance_.position && rotation <= tolerance_.rotation;
-  };
+  const auto keep = [&](double position, double rotation) { return is_within(position, rotation, tolerance_); };
   if (!keep(from.miss.position, from.miss.rotation) || !keep(to.miss.position, to.miss.rotation)) return false;
   const LinkChain::Bounds motion = chain_.bounds(joints, from.time, to.time);
   const auto coarse = bound_of(motion, from, to, tolerance_);
@@ -105,10 +105,8 @@ std::pair<CartesianDeviationProof::End, CartesianDeviationProof::End> CartesianD
     std::span<const detail::Cubic> joints, std::size_t segment) {
   const double time = joints.front().h;
   const LinkChain::Bounds motion = chain_.bounds(joints, 0.0, time);
-  const double ahead =
-      1.0 + std::max(motion.speed * time / tolerance_.position, motion.turning * time / tolerance_.rotation);
   const End from = end_at(joints, 0.0, segment, 1.0);
-  return {from, end_at(joints, time, from.miss.segment, ahead)};
+  return {from, end_at(joints, time, from.miss.segment, ahead(motion, time))};
 }
 
 CartesianDeviation CartesianDeviationProof::over(std::span<const detail::Cubic> joints, std::size_t& segment) {

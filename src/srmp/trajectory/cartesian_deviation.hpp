@@ -47,7 +47,8 @@ class CartesianDeviationProof {
   struct Bound {
     double position, rotation;
   };
-  CartesianTolerance fine() const { return {fineness * tolerance_.position, fineness * tolerance_.rotation}; }
+  CartesianTolerance fine() const { return fraction_of(fineness, tolerance_); }
+  double ahead(const LinkChain::Bounds& motion, double time) const;
   End end_at(std::span<const detail::Cubic> joints, double time, std::size_t first, double ahead);
   End middle_of(std::span<const detail::Cubic> joints, const LinkChain::Bounds& motion, const End& from, const End& to);
   std::pair<End, End> ends_of(std::span<const detail::Cubic> joints, std::size_t segment);

@@ -7,6 +7,13 @@
 
 namespace srmp {
 
+inline CartesianTolerance fraction_of(double fraction, const CartesianTolerance& tolerance) {
+  return {fraction * tolerance.position, fraction * tolerance.rotation};
+}
+inline bool is_within(double position, double rotation, const CartesianTolerance& tolerance) {
+  return position <= tolerance.position && rotation <= tolerance.rotation;
+}
+
 /// Poses that a link is to pass in order: from each to the next its origin moves straight and its rotation along the
 /// shortest arc (slerp: Shoemake 1985), both in proportion.
 class CartesianPath {

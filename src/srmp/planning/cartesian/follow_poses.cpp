@@ -34,10 +34,6 @@ struct FollowTuning {
 };
 const FollowTuning tuning;
 
-CartesianTolerance fraction_of(double fraction, const CartesianTolerance& tolerance) {
-  return {fraction * tolerance.position, fraction * tolerance.rotation};
-}
-
 class FollowPoses {
  public:
   FollowPoses(const PlanProblem& problem, const PosesToFollow& poses, const Deadline& deadline,
@@ -242,7 +238,7 @@ class FollowPoses {
   }
 
   bool keeps(const CartesianDeviation& deviation) const {
-    return deviation.position <= poses_.tolerance.position && deviation.rotation <= poses_.tolerance.rotation;
+    return is_within(deviation.position, deviation.rotation, poses_.tolerance);
   }
 
   const PlanProblem& problem_;
