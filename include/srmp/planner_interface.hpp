@@ -345,9 +345,9 @@ class PlannerInterface {
   /// the velocity and acceleration limits allow at every instant, and stops at the earliest place of the path where it
   /// can. With the timing `ruckig` the jerk limits are kept too; the path must be straight there, as such motions are.
   /// Times begin at 0, with the position, velocity and, with `ruckig`, acceleration of the motion at t, or at its row
-  /// that is within 1 µs of t. Timing, limits and time limit are those of make_planner. Throws PlanningError, exhausted,
-  /// when the stop touches what is in the scene now; and InvalidArgument for an unknown robot, other joints, a motion
-  /// without times or velocities, one that ends in motion before the robot can stop, and a t outside it.
+  /// that is within 1 µs of t. Timing, limits and time limit are those of make_planner. Throws PlanningError,
+  /// exhausted, when the stop touches what is in the scene now; and InvalidArgument for an unknown robot, other joints,
+  /// a motion without times or velocities, one that ends in motion before the robot can stop, and a t outside it.
   Trajectory stop(const std::string& robot, const Trajectory& motion, double t, const Interrupt& interrupt = {}) const;
   Trajectory stop(const Trajectory& motion, double t, const Interrupt& interrupt = {}) const;
   /// A new motion to another goal that leaves a motion at its instant t [s] without a stop: it begins with the
