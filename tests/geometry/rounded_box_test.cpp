@@ -1,6 +1,9 @@
 #include "srmp/geometry/rounded_box.hpp"
 
+#include <algorithm>
+#include <array>
 #include <boost/test/unit_test.hpp>
+#include <cmath>
 
 #include "collision/worlds.hpp"
 
@@ -43,8 +46,8 @@ double distance(const ExactBox& a, const ExactBox& b, const Eigen::Isometry3d& b
 std::pair<double, double> bounds(const RoundedBox& a, const RoundedBox& b, const Eigen::Isometry3d& b_in_a) {
   const BoxDistanceBounds distances(b_in_a, a.reach(), b.reach());
   const RoundedBoxes of_a(a), of_b(b);
-  return {std::sqrt(distances.squared_bounds(of_a, distances.in_a(of_b))[0]),
-          std::sqrt(distances.squared_bounds(distances.in_b(of_a), of_b)[0])};
+  return {std::sqrt(std::max(0.0f, distances.squared_bounds(of_a, distances.in_a(of_b))[0])),
+          std::sqrt(std::max(0.0f, distances.squared_bounds(distances.in_b(of_a), of_b)[0]))};
 }
 
 }  // namespace
@@ -108,6 +111,23 @@ BOOST_AUTO_TEST_CASE(boxes_that_overlap_by_a_hair_or_touch_are_not_apart) {
     in_frame.middle = frame.inverse() * b.middle;
     BOOST_TEST((bounds(a.rounded(), in_frame.rounded(), frame) == std::pair(0.0, 0.0)));
   }
+}
+
+BOOST_AUTO_TEST_CASE(of_boxes_that_overlap_the_deepest_has_the_least_bound) {
+  const Eigen::Vector3d half(0.5, 0.4, 0.3);
+  const RoundedBox box(Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero(), half);
+  RoundedBoxes others;
+  const std::array depths{-0.1, 0.05, 0.2, 0.3};  // along z
+  for (int k = 0; k < RoundedBoxes::count; ++k) {
+    const Eigen::Vector3d center(0.1, 0.1, 0.6 - depths[static_cast<std::size_t>(k)]);
+    others.set(k, RoundedBox(Eigen::Matrix3d::Identity(), center, half));
+  }
+  const BoxDistanceBounds distances(Eigen::Isometry3d::Identity(), box.reach(), 2.0f);
+  const Eigen::Array4f found = distances.squared_bounds(RoundedBoxes(box), distances.in_a(others));
+  BOOST_TEST(found[0] == 0.01f, boost::test_tools::tolerance(1e-3f));
+  for (int k = 1; k < RoundedBoxes::count; ++k)
+    BOOST_TEST(found[k] == -static_cast<float>(depths[static_cast<std::size_t>(k)]),
+               boost::test_tools::tolerance(1e-3f));
 }
 
 BOOST_AUTO_TEST_CASE(a_rounded_box_contains_the_box) {

@@ -220,32 +220,25 @@ bool PrimitiveDistance::is_beyond(const Placed& solid, const RoundedBox& box, co
   return true;
 }
 
-/// The nearest of the node's boxes, if it is not too far; the others that are not are left for later, the nearest
-/// first. entry(box, bound) is the Open one.
+/// Leaves those of the node's boxes that are not too far for later, the nearest last. entry(box, bound) is the Open
+/// one.
 template <class Entry>
-std::optional<PrimitiveDistance::Open> PrimitiveDistance::nearest_of(const PrimitiveBvh& tree, std::uint32_t node,
-                                                                     const Eigen::Array4f& squared_bounds, double limit,
-                                                                     Entry&& entry) {
+void PrimitiveDistance::open_near(const PrimitiveBvh& tree, std::uint32_t node, const Eigen::Array4f& squared_bounds,
+                                  double limit, Entry&& entry) {
   const std::size_t first = open_.size();
-  const auto leave = [&](const Open& one) {
-    open_.push_back(one);
-    for (std::size_t k = open_.size() - 1;
-         k > first && open_[k - 1].squared_distance_bound < one.squared_distance_bound; --k)
-      std::swap(open_[k - 1], open_[k]);
-  };
-  std::optional<Open> nearest;
-  for (int i = 0; i < tree.nodes()[node].size; ++i) {
+  open_.resize(first + RoundedBoxes::count);
+  const double squared_limit = limit * limit;
+  const int size = tree.nodes()[node].size;
+  std::size_t end = first;
+  for (int i = 0; i < size; ++i) {  // without a jump that depends on the bound
     const float bound = squared_bounds[i];
-    if (bound > limit * limit) continue;
-    const Open one = entry(RoundedBoxes::count * node + static_cast<std::uint32_t>(i), bound);
-    if (nearest && !(bound < nearest->squared_distance_bound)) {
-      leave(one);
-      continue;
-    }
-    if (nearest) leave(*nearest);
-    nearest = one;
+    open_[end] = entry(RoundedBoxes::count * node + static_cast<std::uint32_t>(i), bound);
+    end += static_cast<std::size_t>(!(bound > squared_limit));
   }
-  return nearest;
+  for (std::size_t i = first + 1; i < end; ++i)
+    for (std::size_t k = i; k > first && open_[k - 1].squared_distance_bound < open_[k].squared_distance_bound; --k)
+      std::swap(open_[k - 1], open_[k]);
+  open_.resize(end);
 }
 
 /// One more box or pair of boxes.
@@ -254,14 +247,11 @@ void PrimitiveDistance::count_visit(Found& found) {
   found.count_box();
 }
 
-/// The next that was left and may be within the limit.
-std::optional<PrimitiveDistance::Open> PrimitiveDistance::pop_near(const Found& found) {
-  while (!open_.empty()) {
-    const Open next = open_.back();
-    open_.pop_back();
-    if (!(next.squared_distance_bound > found.limit() * found.limit())) return next;
-  }
-  return std::nullopt;
+/// Is one left that may be within the limit? It is the last one then.
+bool PrimitiveDistance::is_near_left(const Found& found) {
+  const double squared_limit = found.limit() * found.limit();
+  while (!open_.empty() && open_.back().squared_distance_bound > squared_limit) open_.pop_back();
+  return !open_.empty();
 }
 
 double PrimitiveDistance::solid_to_primitives(const Placed& solid, const Placed& other, const PrimitiveQuery& query) {
@@ -290,25 +280,24 @@ double PrimitiveDistance::solid_to_primitives(const Placed& solid, const Placed&
       return false;
     return found.add(distance, i, 0);
   };
-  const auto nearest_in = [&](std::uint32_t node) {
-    return nearest_of(tree, node, distances.squared_bounds(tree.nodes()[node].boxes, boxes), found.limit(),
-                      [](PrimitiveBvh::BoxNumber number, float bound) { return Open{bound, number, 0}; });
+  const auto open_in = [&](std::uint32_t node) {
+    open_near(tree, node, distances.squared_bounds(tree.nodes()[node].boxes, boxes), found.limit(),
+              [](PrimitiveBvh::BoxNumber number, float bound) { return Open{bound, number, 0}; });
   };
   for (const PrimitivePair& pair : query.among)
     if (add(pair.a)) break;
   open_.clear();
-  std::optional<Open> next;
-  if (query.among.empty()) next = nearest_in(0);
-  for (; next; next = next ? next : pop_near(found)) {
+  if (query.among.empty()) open_in(0);
+  while (is_near_left(found)) {
     count_visit(found);
-    const PrimitiveBvh::BoxNumber number = next->a;
+    const PrimitiveBvh::BoxNumber number = open_.back().a;
+    open_.pop_back();
     const PrimitiveBvh::Part& part = tree.part(number);
-    next.reset();
     for (std::size_t i = part.first; i < part.first + part.size; ++i)
       if (add(i)) return found.distance();
     if (!part.has_primitives() && !(fills_its_box_badly && tree.squared_size(number) < size &&
                                     is_beyond(solid, tree.box(number), to_tree, found.limit())))
-      next = nearest_in(part.first);
+      open_in(part.first);
   }
   return found.distance();
 }
@@ -338,31 +327,30 @@ double PrimitiveDistance::primitives_to_primitives(const Placed& a, const Placed
   };
   const BoxDistanceBounds distances(to_a, tree_a.reach(), tree_b.reach());
   // Boxes of one tree beside a box of the other.
-  const auto nearest_in_a = [&](std::uint32_t node, PrimitiveBvh::BoxNumber b_box) {
+  const auto open_in_a = [&](std::uint32_t node, PrimitiveBvh::BoxNumber b_box) {
     const RoundedBoxes beside = distances.in_a(tree_b.repeated_box(b_box));
-    return nearest_of(tree_a, node, distances.squared_bounds(tree_a.nodes()[node].boxes, beside), found.limit(),
-                      [&](PrimitiveBvh::BoxNumber number, float bound) { return Open{bound, number, b_box}; });
+    open_near(tree_a, node, distances.squared_bounds(tree_a.nodes()[node].boxes, beside), found.limit(),
+              [&](PrimitiveBvh::BoxNumber number, float bound) { return Open{bound, number, b_box}; });
   };
-  const auto nearest_in_b = [&](std::uint32_t node, PrimitiveBvh::BoxNumber a_box) {
+  const auto open_in_b = [&](std::uint32_t node, PrimitiveBvh::BoxNumber a_box) {
     const RoundedBoxes beside = distances.in_b(tree_a.repeated_box(a_box));
-    return nearest_of(tree_b, node, distances.squared_bounds(beside, tree_b.nodes()[node].boxes), found.limit(),
-                      [&](PrimitiveBvh::BoxNumber number, float bound) { return Open{bound, a_box, number}; });
+    open_near(tree_b, node, distances.squared_bounds(beside, tree_b.nodes()[node].boxes), found.limit(),
+              [&](PrimitiveBvh::BoxNumber number, float bound) { return Open{bound, a_box, number}; });
   };
   for (const PrimitivePair& pair : query.among)
     if (add(pair.a, pair.b)) break;
   open_.clear();
-  std::optional<Open> next;
-  if (query.among.empty()) next = nearest_in_a(0, 0);
-  for (; next; next = next ? next : pop_near(found)) {
+  if (query.among.empty()) open_in_a(0, 0);
+  while (is_near_left(found)) {
     count_visit(found);
-    const auto [bound, box_a, box_b] = *next;
+    const PrimitiveBvh::BoxNumber box_a = open_.back().a, box_b = open_.back().b;
+    open_.pop_back();
     const PrimitiveBvh::Part &part_a = tree_a.part(box_a), &part_b = tree_b.part(box_b);
     const bool ends_a = part_a.has_primitives(), ends_b = part_b.has_primitives();
-    next.reset();
     if (!ends_a && (ends_b || tree_a.squared_size(box_a) >= tree_b.squared_size(box_b))) {
-      next = nearest_in_a(part_a.first, box_b);
+      open_in_a(part_a.first, box_b);
     } else if (!ends_b) {
-      next = nearest_in_b(part_b.first, box_a);
+      open_in_b(part_b.first, box_a);
     } else {
       for (std::size_t i = part_a.first; i < part_a.first + part_a.size; ++i)
         for (std::size_t j = part_b.first; j < part_b.first + part_b.size; ++j)

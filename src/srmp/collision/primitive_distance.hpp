@@ -78,11 +78,11 @@ class PrimitiveDistance {
                          const StaysSeparated& stays_separated);
   double solid_to_primitives(const Placed& solid, const Placed& other, const PrimitiveQuery& query);
   double primitives_to_primitives(const Placed& a, const Placed& b, const PrimitiveQuery& query);
-  std::optional<Open> pop_near(const Found& found);
+  bool is_near_left(const Found& found);
   void count_visit(Found& found);
   template <class Entry>
-  std::optional<Open> nearest_of(const PrimitiveBvh& tree, std::uint32_t node, const Eigen::Array4f& squared_bounds,
-                                 double limit, Entry&& entry);
+  void open_near(const PrimitiveBvh& tree, std::uint32_t node, const Eigen::Array4f& squared_bounds, double limit,
+                 Entry&& entry);
 
   Gjk& gjk_;
   coal::details::GJK short_gjk_;

@@ -347,7 +347,7 @@ double SceneWorkspace::distance_of_part(const Interval& part, const PrimitiveQue
 bool SceneWorkspace::process(const Interval& interval) {
   const Pair& pair = bodies_.pairs[interval.pair];
   if (is_still(pair)) return start_is_free_ || !in_contact(pair);
-  if (reserve_ > 0.0 && std::find(close_.begin(), close_.end(), interval.pair) != close_.end())
+  if (reserve_ > 0.0 && std::ranges::find(close_, interval.pair, &ClosePair::number) != close_.end())
     return true;  // decided later
   if (reserve_ > 0.0 && table_proves(pair, interval.t - interval.half_width, interval.t + interval.half_width))
     return true;
@@ -357,7 +357,7 @@ bool SceneWorkspace::process(const Interval& interval) {
     if (undecided.parts > 0)
       subdivide(interval, undecided);
     else
-      close_.push_back(interval.pair);
+      close_.push_back({interval.pair, interval.t});
   }
   return status != CollisionStatus::colliding;
 }
@@ -365,13 +365,16 @@ bool SceneWorkspace::process(const Interval& interval) {
 /// Leaves the parts of the interval, each with its distance, for later.
 void SceneWorkspace::subdivide(const Interval& whole, const Undecided& undecided) {
   const double part = whole.half_width / undecided.parts;
-  for (int i = 0; i < undecided.parts; ++i)
-    next_.push_back({.t = whole.t - whole.half_width + (2 * i + 1) * part,
+  for (int i = 0; i < undecided.parts; ++i) {
+    const double from_start = (2 * i + 1) * part;
+    next_.push_back({.t = whole.t - whole.half_width + from_start,
                      .half_width = part,
                      .pair = whole.pair,
                      .is_part = true,
                      .distance = undecided.distance,
+                     .offset = std::abs(from_start - whole.half_width),
                      .candidates = undecided.candidates});
+  }
 }
 
 bool SceneWorkspace::process_whole_motion_of(std::size_t body) {
@@ -432,11 +435,14 @@ bool SceneWorkspace::resolve_intervals() {
 }
 
 /// Where two bodies pass each other within micrometres, a motion takes hundreds of intervals to prove, but few to
-/// refute, or to see that the two come too close for these intervals, if those where they are nearest come first.
-bool SceneWorkspace::resolve_nearest_first() {
-  const auto later = [](const Interval& a, const Interval& b) {
-    return std::tie(a.distance, a.t, a.half_width, a.pair) > std::tie(b.distance, b.t, b.half_width, b.pair);
+/// refute, or to see that the two come too close for these intervals, if those where they are nearest come first: the
+/// one that holds `first`, then those nearest to where the distance is smallest.
+bool SceneWorkspace::resolve_nearest_first(std::optional<double> first) {
+  const auto order = [&](const Interval& one) {
+    const bool holds_first = first && std::abs(one.t - *first) <= one.half_width;
+    return std::tuple(!holds_first, one.distance, one.offset, one.t, one.half_width, one.pair);
   };
+  const auto later = [&](const Interval& a, const Interval& b) { return order(a) > order(b); };
   std::make_heap(open_.begin(), open_.end(), later);
   while (!open_.empty()) {
     std::pop_heap(open_.begin(), open_.end(), later);
@@ -462,10 +468,10 @@ void SceneWorkspace::place_sample(double t) {
 /// Decides pairs that come within proof_reserve of contact: by Coal alone, from the whole motion downwards.
 bool SceneWorkspace::resolve_close() {
   reserve_ = 0.0;
-  return std::all_of(close_.begin(), close_.end(), [&](std::uint32_t pair) {
+  return std::ranges::all_of(close_, [&](const ClosePair& pair) {
     candidates_.clear();
-    open_.assign(1, {0.5, 0.5, pair});
-    return resolve_nearest_first();
+    open_.assign(1, {0.5, 0.5, pair.number});
+    return resolve_nearest_first(pair.t);
   });
 }
 

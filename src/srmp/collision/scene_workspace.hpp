@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -94,13 +95,18 @@ class SceneWorkspace final : public Checker::Workspace {
     double t, half_width;
     std::uint32_t pair;
     bool is_part{};     // of another interval, which was undecided
-    double distance{};  // about that of the pair there
+    double distance{};  // about that of the pair in the middle of that one
+    double offset{};    // |t - t of that one|
     Candidates candidates{};
   };
   struct Undecided {
     int parts{};        // into which an interval is to be subdivided; 0: into none
     double distance{};  // about that of the pair
     Candidates candidates{};
+  };
+  struct ClosePair {
+    std::uint32_t number;
+    double t;  // where it was found close
   };
 
   /// A body's bounding sphere, as its envelope carries it.
@@ -136,7 +142,7 @@ class SceneWorkspace final : public Checker::Workspace {
   bool is_end_free();
   bool resolve_intervals();
   bool resolve_close();
-  bool resolve_nearest_first();
+  bool resolve_nearest_first(std::optional<double> first = std::nullopt);
   void place_sample(double t);
   bool resolve_with_coal();
   CollisionStatus check_with_spheres();
@@ -155,9 +161,9 @@ class SceneWorkspace final : public Checker::Workspace {
   Eigen::VectorXd start_, delta_, q_, here_;
   Displacements displacements_;
   BatchChecker::WorkspacePtr batch_;
-  bool start_is_free_{};              // pairs that the motion does not move need no check
-  double reserve_{};                  // farther than this must a pair stay apart to be proved free
-  std::vector<std::uint32_t> close_;  // pairs that this motion's intervals proved neither free nor in contact
+  bool start_is_free_{};          // pairs that the motion does not move need no check
+  double reserve_{};              // farther than this must a pair stay apart to be proved free
+  std::vector<ClosePair> close_;  // pairs that this motion's intervals proved neither free nor in contact
   std::vector<Interval> open_, next_;
   std::vector<int> open_deferred_;  // pairs of the batch that tables left open, of the last motion that asked them
   std::vector<PrimitivePair> candidates_, new_candidates_;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace srmp {
 
@@ -56,7 +57,8 @@ class BoxDistanceBounds {
   /// The first boxes in the frame of the second ones.
   RoundedBoxes in_b(const RoundedBoxes& a) const;
   /// Lower bounds of the squared distances [m^2] of each first box to the second one at the same place, given in one
-  /// frame; rounding included. Separating axes: the edges of either box.
+  /// frame; rounding included. Separating axes: the edges of either box. Where none separates the two, the bound is
+  /// negative, the less the further they overlap [m] along each: so the ones that are deepest in each other come first.
   Eigen::Array4f squared_bounds(const RoundedBoxes& a, const RoundedBoxes& b) const;
 
  private:
@@ -135,10 +137,13 @@ inline Eigen::Array4f BoxDistanceBounds::squared_bounds(const RoundedBoxes& a, c
   using Eigen::Array4f;
   const Array4f rounding = Array4f::Constant(rounding_), zero = Array4f::Zero();
   const detail::Vectors offset{b.center[0] - a.center[0], b.center[1] - a.center[1], b.center[2] - a.center[2]};
+  Array4f gap = Array4f::Constant(-std::numeric_limits<float>::max());  // the widest
   const auto outside = [&](const RoundedBoxes& boxes, std::size_t edge, const Array4f& reach) -> Array4f {
     const Array4f along =
         boxes.axes[0][edge] * offset[0] + boxes.axes[1][edge] * offset[1] + boxes.axes[2][edge] * offset[2];
-    return (along.abs() - (reach + rounding)).max(zero).square();
+    const Array4f left = along.abs() - (reach + rounding);
+    gap = gap.max(left);
+    return left.max(zero).square();
   };
   Array4f along_a = zero;                    // squared distances
   detail::Vectors reach_b = b.half_extents;  // how far either box reaches along an edge of b
@@ -153,7 +158,7 @@ inline Eigen::Array4f BoxDistanceBounds::squared_bounds(const RoundedBoxes& a, c
     along_a += outside(a, i, reach_a);
   }
   const Array4f along_b = outside(b, 0, reach_b[0]) + outside(b, 1, reach_b[1]) + outside(b, 2, reach_b[2]);
-  return along_a.max(along_b);
+  return along_a.max(along_b) + gap.min(zero);
 }
 
 }  // namespace srmp
