@@ -37,7 +37,8 @@ class MoveItGroup;
 /// Poses are in the world frame; lengths are in metres, angles in radians, times in seconds; objects are solid. A
 /// configuration q has the robot's dof entries [rad or m], in the order of get_joint_names. A call that is refused
 /// throws InvalidArgument and changes nothing: for unknown robots, objects or links (with the nearest known name),
-/// wrong sizes, NaN and infinity. Not thread-safe: one thread at a time.
+/// wrong sizes, NaN and infinity. Not thread-safe: one thread at a time. One that was moved from may be assigned to and
+/// destroyed, nothing else.
 class PlannerInterface {
  public:
   PlannerInterface();

@@ -21,13 +21,18 @@ bool python_interrupted() {
 /// Runs `plan` without the GIL. A Ctrl-C that ended it is raised.
 template <class Plan>
 auto run_interruptible(Plan&& plan) {
-  auto result = [&] {
-    const InterruptionScope by_deadline({});  // which stops in an orderly way
-    const nb::gil_scoped_release no_gil;
-    return plan();
-  }();
-  if (PyErr_Occurred()) throw nb::python_error();
-  return result;
+  try {
+    auto result = [&] {
+      const InterruptionScope by_deadline({});  // which stops in an orderly way
+      const nb::gil_scoped_release no_gil;
+      return plan();
+    }();
+    if (PyErr_Occurred()) throw nb::python_error();
+    return result;
+  } catch (...) {
+    if (PyErr_Occurred()) throw nb::python_error();  // Ctrl-C while it failed
+    throw;
+  }
 }
 
 /// The same; a PlanningError carries the planner's statistics.
@@ -36,7 +41,6 @@ auto run_plan(const PlannerInterface& planner, Plan&& plan) {
   try {
     return run_interruptible(plan);
   } catch (const PlanningError& error) {
-    if (error.status() == Status::cancelled && PyErr_Occurred()) throw nb::python_error();
     raise(error, to_dict(planner.get_planning_stats()));
   }
 }

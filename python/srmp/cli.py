@@ -378,24 +378,25 @@ def check(
 
 def _parse_state(world: srmp.PlannerInterface, text: str) -> list[float]:
     """The planned joints' positions; other joints that are named are set in the world."""
-    parts = [part.strip() for part in text.split(",")]
+    parts = [part.strip() for part in text.split(",")] if text.strip() else []
     names = world.get_joint_names("robot")
-    try:
-        if "=" not in text:
-            numbers = [float(part) for part in parts]
-            if len(numbers) != len(names):
-                raise click.BadParameter(
-                    f"--state has {len(numbers)} values; the planned joints are {', '.join(names)}."
-                )
-            return numbers
-        values = {key: float(value) for key, value in parse_key_values(parts).items()}
-    except ValueError as error:
-        raise click.BadParameter(f"--state: {error}.") from error
+    if "=" not in text:
+        if len(parts) != len(names):
+            raise click.BadParameter(f"--state has {len(parts)} values; the planned joints are {', '.join(names)}.")
+        return [_position(name, value) for name, value in zip(names, parts, strict=True)]
+    values = {name: _position(name, value) for name, value in parse_key_values(parts).items()}
     if others := {name: value for name, value in values.items() if name not in names}:
         world.set_joint_positions("robot", others)
     if missing := [name for name in names if name not in values]:
         raise click.BadParameter(f"--state has no position for joint '{missing[0]}'.")
     return [values[name] for name in names]
+
+
+def _position(joint: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise click.BadParameter(f"--state: '{text}', of joint '{joint}', is not a number.") from None
 
 
 def _limit_violations(world: srmp.PlannerInterface, q: Sequence[float]) -> list[str]:

@@ -194,6 +194,8 @@ BOOST_AUTO_TEST_CASE(errors_in_scenes_name_their_line) {
   scene_refused("[true, false, true, false]", "[true, false, true]", "a row of 3 values for 4 names");
   scene_refused("    - [true, false, true, false]\n", "", "has 3 rows for 4 names");
   scene_refused("[true, false, true, false]", "[true, maybe, true, false]", "must be true or false, not 'maybe'");
+  scene_refused("[true, false, true, false]", "{}", "a row of entry_values has no 'enabled'");
+  scene_refused("[true, false, true, false]", "{enabled: 3}", "a row of entry_values must be a list, not '3'");
   scene_refused("[false]", "[]", "1 default_entry_names, but 0 default_entry_values");
   scene_refused("name: kitchen", "name: kitchen\nname: again", ":3: key 'name' appears twice");
   check_throws<FileError>([] { scene_from(one_object("pose: {}")); }, "has no shape");

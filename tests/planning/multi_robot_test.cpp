@@ -196,6 +196,26 @@ BOOST_AUTO_TEST_CASE(an_interrupt_cancels_and_the_time_limit_is_kept) {
   BOOST_CHECK(planner.get_planning_stats().total_time_s < 10);
 }
 
+BOOST_AUTO_TEST_CASE(a_plan_that_is_cancelled_in_any_round_says_so) {
+  // Lattices whose budget of an earlier round was used up have ended as timed_out.
+  for (const srmp::PlannerOptions& options :
+       {srmp::PlannerOptions(srmp::ECBS{.common = {.time_limit = 60, .resolution = 1}}),
+        srmp::PlannerOptions(srmp::XECBS{.common = {.time_limit = 60, .resolution = 1}}),
+        srmp::PlannerOptions(srmp::CBS{.common = {.time_limit = 60, .resolution = 1}})})
+    for (const int polls : {2, 5, 10, 20, 40}) {
+      BOOST_TEST_CONTEXT(srmp::planner_id(options) << ", stopped at poll " << polls) {
+        auto planner = planar_pair(options);
+        int polled = 0;
+        try {
+          planner.plan_multi(starts, goals, {}, [&] { return ++polled >= polls; });
+          BOOST_CHECK(polled < polls);
+        } catch (const srmp::PlanningError& error) {
+          BOOST_CHECK_MESSAGE(error.status() == srmp::Status::cancelled, error.what());
+        }
+      }
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_robot_that_is_at_its_goal_gets_out_of_the_way_and_returns) {
   const srmp::CommonOptions common{.time_limit = 20};
   const Starts from{{"left", Vector2d(0.0, 0.0)}, {"right", Vector2d(1.2, 0.0)}};

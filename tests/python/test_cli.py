@@ -35,6 +35,9 @@ def test_cmake_dir():
         (["robots", "arm8"], "did you mean 'arm7'"),
         (["srdf", "nowhere.urdf", "-o", "x.srdf"], "nowhere.urdf"),
         (["srdf", srmp.data_path("arm7.urdf"), "-o", "x.srdf", "--samples", "0"], "samples must be a whole number"),
+        (["srdf", srmp.data_path("arm7.urdf"), "-o", "x.srdf", "--group", ""], "group is empty"),
+        (["robots", "arm8"], "no robot 'arm8' is known, did you mean 'arm7'? `srmp robots` lists all"),
+        (["robots", "nothing-like-it"], "no robot 'nothing-like-it' is known; `srmp robots` lists all"),
         (["cover", srmp.data_path("arm7.srdf")], "arm7.srdf"),
         (["cover", srmp.data_path("arm7.urdf"), "--accuracy", "-1"], "fine inflation"),
         (["cover", srmp.data_path("arm7.urdf"), "--accuracy", "20"], "must not exceed"),
@@ -60,4 +63,9 @@ def test_check_says_why():
     assert "outside its limits" in beyond.output
     assert "planned joints are" in invoke("check", "--urdf", arm7_urdf, "--state", "1,2").output
     assert "did you mean 'arm7_joint1'" in invoke("check", "--urdf", arm7_urdf, "--state", "arm7_jont1=1").output
+    assert "has 0 values" in invoke("check", "--urdf", arm7_urdf, "--state", "").output
+    for state, where in (("0,0,0,0,0,0,x", "'x', of joint 'arm7_joint7',"), ("a=b", "'b', of joint 'a',")):
+        wrong = invoke("check", "--urdf", arm7_urdf, "--state", state)
+        assert wrong.exit_code == 2
+        assert f"{where} is not a number" in wrong.output
     assert "give either" in invoke("check", "--urdf", arm7_urdf).output

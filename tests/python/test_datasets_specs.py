@@ -214,6 +214,18 @@ def test_every_field_is_refused_when_it_is_wrong(tmp_path, monkeypatch):
     assert not (tmp_path / "set").exists()
 
 
+def test_rows_are_at_least_a_millisecond_apart(tmp_path):
+    with pytest.raises(srmp.InvalidArgument, match=r"planner.sample_period is 1e-09 s; .* at least 0.001 s"):
+        generate(spec_of(planner={"sample_period": 1e-9}), tmp_path / "set", workers=1)
+    assert not (tmp_path / "set").exists()
+
+
+def test_a_key_that_appears_twice_is_refused(tmp_path):
+    (tmp_path / "spec.yaml").write_text("count: 2\nrobots: [{name: a, model: arm7}]\ncount: 3\n")
+    with pytest.raises(srmp.InvalidArgument, match=r"spec\.yaml: the key 'count' appears twice, again in line 3"):
+        read_spec(tmp_path / "spec.yaml")
+
+
 def test_every_documented_field_is_in_the_whole_spec(tmp_path):
     text = (Path(__file__).parents[2] / "docs" / "datasets.md").read_text()
     rows = re.findall(r"^\| (`.*?) \|", text.split("| field | default | meaning |")[1].split("\n\n")[0], re.MULTILINE)

@@ -450,6 +450,17 @@ def test_scenes_of_another_kind(small):
     refused(srmp.InvalidArgument, "a PyBullet scene is a client's number, .*, not dict", {})
     refused(srmp.InvalidArgument, "a PyBullet scene is a client's number, .*, not bool", True)
     refused(srmp.InvalidArgument, "PyBullet's client 77 is not connected", 77)
+    refused(srmp.InvalidArgument, "a PyBullet scene is a client's number, .*, not NoneType", None)
+
+
+def test_a_client_that_is_gone(client):
+    other = pybullet.connect(pybullet.DIRECT)
+    load_arm7(other)
+    planner, world = read(other)
+    pybullet.disconnect(other)
+    for use in (world.refresh, lambda: srmp.sim.check_parity(planner, other)):
+        with pytest.raises(srmp.InvalidArgument, match=f"PyBullet's client {other} is not connected"):
+            use()
 
 
 def test_shapes_that_cannot_be_read(small):

@@ -1,5 +1,7 @@
 """The viewer without a browser: what it serves, refreshes, plans and says."""
 
+import subprocess
+import sys
 import threading
 import time
 import urllib.request
@@ -56,6 +58,15 @@ def test_it_serves_a_page_and_ends(planner, capfd):
     viewer.wait()
     viewer.close()
     assert capfd.readouterr().out == ""
+
+
+def test_a_program_may_end_with_an_open_viewer():
+    program = (
+        "import srmp; planner = srmp.PlannerInterface(); planner.add_robot('arm7');"
+        "viewer = planner.show(port=0, open_browser=False)"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False)
+    assert (ended.returncode, ended.stderr) == (0, "")
 
 
 def test_it_follows_the_planner_and_sends_only_what_is_new(planner, viewer):

@@ -174,7 +174,9 @@ def _select(problems: list[Problem], scenarios: Sequence[str], numbers: set[int]
         if (not scenarios or problem.scenario in scenarios) and (numbers is None or problem.number in numbers)
     ]
     if not chosen:
-        raise srmp.InvalidArgument("no problem has these numbers.")
+        there = [problem.number for problem in problems if not scenarios or problem.scenario in scenarios]
+        given = ", ".join(map(str, sorted(numbers or ())))
+        raise srmp.InvalidArgument(f"no problem has the numbers {given}; there are {min(there)} … {max(there)}.")
     return chosen
 
 

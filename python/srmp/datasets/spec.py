@@ -32,6 +32,7 @@ of 10 000 motions takes. Another number makes other records, and needs another F
 MAX_GROUP_EXPANSIONS = 1_000_000
 """A plan of robots together ends after so many: 25 times what the hardest of 60 motions of two arms takes."""
 _MAX_SHARDS = 10_000_000
+_MIN_SAMPLE_PERIOD = 1e-3  # [s]
 _NOT_CONTENT = ("count", "records_per_shard", "skip")
 """What a spec says of the data set as a whole, and not of each record."""
 _IMPROVING = ("ARAstar", "AMRAstar")
@@ -148,9 +149,8 @@ def read_spec(source: str | Path | Mapping[str, Any]) -> Spec:
     if isinstance(source, Mapping):
         return _Reader(Path.cwd()).read(source)
     path = Path(source)
-    values = _load_yaml(path)
     try:
-        return _Reader(path.resolve().parent).read(values)
+        return _Reader(path.resolve().parent).read(_load_yaml(path))
     except srmp.InvalidArgument as error:
         raise srmp.InvalidArgument(f"{path}: {error}") from error
 
@@ -162,8 +162,22 @@ def _load_yaml(path: Path) -> Any:
         raise srmp.Error(
             'specs need PyYAML: pip install ".[datasets]" in a checkout (or pip install pyyaml).'
         ) from error
+
+    class Loader(yaml.SafeLoader):
+        """Refuses what PyYAML takes silently: a key that appears twice."""
+
+        def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+            seen = set[str]()
+            for key, _ in node.value:
+                if isinstance(key, yaml.ScalarNode) and key.value != "<<":
+                    if key.value in seen:
+                        line = key.start_mark.line + 1
+                        raise srmp.InvalidArgument(f"the key '{key.value}' appears twice, again in line {line}.")
+                    seen.add(key.value)
+            return super().construct_mapping(node, deep)
+
     try:
-        return yaml.safe_load(path.read_text(encoding="utf-8"))
+        return yaml.load(path.read_text(encoding="utf-8"), Loader)
     except OSError as error:
         raise srmp.FileError(f"{path} cannot be read: {error.strerror}.") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
@@ -246,6 +260,11 @@ class _Reader:
         if known["sample_rate"] != 0.0:
             raise srmp.InvalidArgument(
                 f"planner.sample_rate is {known['sample_rate']:g}; in data sets rows are a planner.sample_period apart."
+            )
+        if known["sample_period"] < _MIN_SAMPLE_PERIOD:
+            raise srmp.InvalidArgument(
+                f"planner.sample_period is {known['sample_period']:g} s; in data sets it must be at least "
+                f"{_MIN_SAMPLE_PERIOD:g} s."
             )
         for key, allowed in (("certify", True), ("improve_time", 0.0)):
             if key in known and known[key] != allowed:

@@ -66,9 +66,10 @@ def find(name: str) -> Robot:
     """The known robot of that name. Raises InvalidArgument, with the nearest name, when there is none."""
     known = available()
     if not isinstance(name, str) or name not in known:
+        nearest = did_you_mean(name, known)
         raise InvalidArgument(
-            f"no robot {name!r} is known{did_you_mean(name, known)}; `srmp robots` "
-            "lists all, and add_articulation adds a robot from its URDF"
+            f"no robot {name!r} is known{nearest}{'' if nearest else ';'} `srmp robots` lists all, and "
+            "add_articulation adds a robot from its URDF"
         )
     return known[name]
 

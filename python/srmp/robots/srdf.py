@@ -87,10 +87,13 @@ def sample_allowed_collisions(
 
     A pair that touches in very few configurations may be taken for one that never does: more samples make that rarer.
 
-    Raises InvalidArgument (samples below 1, seed below 0, a link that does not exist) and FileError.
+    Raises InvalidArgument (samples below 1, seed below 0, a group without a name, a link that does not exist) and
+    FileError.
     """
     _require_whole("samples", samples, 1)
     _require_whole("seed", seed, 0)
+    if not group:
+        raise srmp.InvalidArgument("group is empty; give the planning group a name")
     planner, name, notes = _load(str(urdf_path), list(package_dirs))
     links = planner.get_link_names(name)
     if end_effector and end_effector not in links:

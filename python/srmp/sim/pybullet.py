@@ -63,7 +63,19 @@ class _Client:
 
     def __getattr__(self, name: str) -> Any:
         value = getattr(self.module, name)
-        return functools.partial(value, physicsClientId=self.number) if callable(value) else value
+        return functools.partial(self._call, value) if callable(value) else value
+
+    def _call(self, function: Any, *args: Any, **kwargs: Any) -> Any:
+        try:
+            return function(*args, physicsClientId=self.number, **kwargs)
+        except self.module.error:
+            self.require_connection()
+            raise
+
+    def require_connection(self) -> None:
+        """Raises InvalidArgument where there is none."""
+        if not self.module.isConnected(physicsClientId=self.number):
+            raise InvalidArgument(f"PyBullet's client {self.number} is not connected; give what connect() returned")
 
 
 @dataclass(frozen=True)
@@ -88,8 +100,7 @@ class PyBullet(Simulator):
 
     def __init__(self, sim: Any) -> None:
         self.p = _Client(import_simulator("pybullet", "pybullet"), _client_number(sim))
-        if not self.p.isConnected():
-            raise InvalidArgument(f"PyBullet's client {self.p.number} is not connected; give what connect() returned")
+        self.p.require_connection()
         self._names: dict[int, tuple[str, str]] = {}  # what the body says of itself, and what it is called
         self._shapes: dict[Link, _Shapes] = {}
         self._filters: dict[tuple[Link, Link], bool] = {}
@@ -506,7 +517,7 @@ class _Probe(Probe):
 
 def _client_number(sim: Any) -> int:
     number = getattr(sim, "_client", sim)
-    if sim is None or (isinstance(sim, ModuleType) and sim.__name__ == "pybullet"):
+    if isinstance(sim, ModuleType) and sim.__name__ == "pybullet":
         number = 0
     if isinstance(number, bool) or not isinstance(number, int):
         raise InvalidArgument(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import html
 import io
@@ -92,6 +93,7 @@ class Viewer:
         self._threads = [threading.Thread(target=run, daemon=True) for run in (self._work, self._follow, self._animate)]
         for thread in self._threads:
             thread.start()
+        atexit.register(self.close)  # a thread must not outlive the library that it uses
 
     # --- for programs
 
@@ -188,6 +190,7 @@ class Viewer:
         """Ends the server."""
         if not self._closed.is_set():
             self._closed.set()
+            atexit.unregister(self.close)
             self._jobs.put(None)
             for thread in self._threads:
                 thread.join()

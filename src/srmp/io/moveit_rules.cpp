@@ -56,6 +56,8 @@ void require_valid(const CollisionObject& object, bool shapes_may_be_absent) {
   const std::string what = "object '" + object.id + "'";
   if (object.planes > 0) throw NotSupported(what + " has planes" + plane_fault);
   require_finite_pose(object.pose, what + "'s pose");
+  if (object.operation < ObjectOperation::add || object.operation > ObjectOperation::move)
+    throw InvalidArgument(what + " has the unknown operation " + std::to_string(static_cast<int>(object.operation)));
   if (object.operation == ObjectOperation::remove || object.operation == ObjectOperation::move) return;
   if (object.id.empty()) throw InvalidArgument("a collision object's id is empty");
   if (object.shapes.empty() && !shapes_may_be_absent)

@@ -107,7 +107,7 @@ class SceneReader : public MessageReader {
   /// [true, …], or {enabled: [true, …]} as the message has it.
   std::vector<bool> read_row(const Node& row) const {
     if (row.IsMap()) file_.require_map(row, "a row of entry_values", Names{"enabled"});
-    const Node values = row.IsMap() ? row["enabled"] : row;
+    const Node values = row.IsMap() ? file_.require(row, "enabled", "a row of entry_values") : row;
     file_.require_list(values, "a row of entry_values");
     std::vector<bool> result;
     for (const Node& value : values) result.push_back(file_.boolean(value, "an entry of entry_values"));

@@ -82,6 +82,9 @@ YAML::Node load(const std::string& path, const std::string& language) {
   }
 }
 
+/// yaml-cpp throws where the type of a value that is not there is asked for.
+bool is(const YAML::Node& node, YAML::NodeType::value type) { return node.IsDefined() && node.Type() == type; }
+
 std::string kind(const YAML::Node& node) {
   if (!node.IsDefined() || node.IsNull()) return "nothing";
   if (node.IsSequence()) return "a list";
@@ -108,7 +111,7 @@ void YamlFile::unsupported(const YAML::Node& node, const std::string& what) cons
 }
 
 void YamlFile::require_map(const YAML::Node& node, const std::string& what, std::span<const std::string> known) const {
-  if (!node.IsMap()) fail(node, what + " must be a map of keys and values, not " + kind(node));
+  if (!is(node, YAML::NodeType::Map)) fail(node, what + " must be a map of keys and values, not " + kind(node));
   std::set<std::string> seen;
   for (const auto& entry : node) {
     const std::string key = text(entry.first, "a key of " + what);
@@ -122,7 +125,7 @@ void YamlFile::require_map(const YAML::Node& node, const std::string& what, std:
 }
 
 void YamlFile::require_list(const YAML::Node& node, const std::string& what) const {
-  if (!node.IsSequence()) fail(node, what + " must be a list, not " + kind(node));
+  if (!is(node, YAML::NodeType::Sequence)) fail(node, what + " must be a list, not " + kind(node));
 }
 
 YAML::Node YamlFile::require(const YAML::Node& map, const std::string& key, const std::string& what) const {
@@ -132,7 +135,7 @@ YAML::Node YamlFile::require(const YAML::Node& map, const std::string& key, cons
 }
 
 double YamlFile::number(const YAML::Node& node, const std::string& what) const {
-  if (!node.IsScalar()) fail(node, what + " must be a number, not " + kind(node));
+  if (!is(node, YAML::NodeType::Scalar)) fail(node, what + " must be a number, not " + kind(node));
   const std::string& scalar = node.Scalar();
   const std::string lower = [&] {
     std::string result = scalar;
@@ -167,7 +170,7 @@ std::vector<double> YamlFile::numbers(const YAML::Node& node, const std::string&
 }
 
 std::string YamlFile::text(const YAML::Node& node, const std::string& what) const {
-  if (!node.IsScalar()) fail(node, what + " must be a text, not " + kind(node));
+  if (!is(node, YAML::NodeType::Scalar)) fail(node, what + " must be a text, not " + kind(node));
   return node.Scalar();
 }
 
@@ -179,7 +182,7 @@ std::vector<std::string> YamlFile::texts(const YAML::Node& node, const std::stri
 }
 
 bool YamlFile::boolean(const YAML::Node& node, const std::string& what) const {
-  if (node.IsScalar()) {
+  if (is(node, YAML::NodeType::Scalar)) {
     const std::string& value = node.Scalar();
     if (value == "true" || value == "True" || value == "1") return true;
     if (value == "false" || value == "False" || value == "0") return false;

@@ -34,9 +34,11 @@ FoundPath attempt_in_rounds(const Strategies& strategies, double lower, double w
       if (why) throw PlanningError(Status::timed_out, *why);
       continue;
     }
-    if (!unfinished.reason.empty()) throw PlanningError(unfinished.status, unfinished.reason);
-    throw PlanningError(stop_status(deadline).value_or(Status::timed_out),
-                        "the plan was stopped before all of its searches had ended");
+    const Status why = stop_status(deadline).value_or(Status::timed_out);
+    // An attempt may have ended earlier than the plan, for another reason.
+    const bool explains = !unfinished.reason.empty() && unfinished.status == why;
+    throw PlanningError(why,
+                        explains ? unfinished.reason : "the plan was stopped before all of its searches had ended");
   }
 }
 
