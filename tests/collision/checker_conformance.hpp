@@ -111,6 +111,23 @@ inline void rows_agree_with_single_configurations(const Checker& checker, bool c
   checker.are_free(RowMatrix(0, rows.cols()), {}, *workspace);
 }
 
+/// find_colliding says true only where is_free says no, before motions were checked and after.
+inline void colliding_rows_are_not_free(const Checker& checker) {
+  const auto workspace = checker.make_workspace();
+  const auto motions = random_motions(checker, 9, 200, 0.5);
+  RowMatrix ends(static_cast<Eigen::Index>(motions.size()), static_cast<Eigen::Index>(checker.dof()));
+  for (std::size_t i = 0; i < motions.size(); ++i) ends.row(static_cast<Eigen::Index>(i)) = motions[i].b.transpose();
+  const std::unique_ptr<bool[]> colliding(new bool[motions.size()]);
+  for (int round = 0; round < 2; ++round) {
+    checker.find_colliding(ends, {colliding.get(), motions.size()}, *workspace);
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      if (colliding[i]) BOOST_TEST(!checker.is_free(motions[i].b, *workspace));
+      checker.is_motion_free(motions[i].a, motions[i].b, *workspace);
+    }
+  }
+  checker.find_colliding(RowMatrix(0, ends.cols()), {}, *workspace);
+}
+
 /// contacts is empty exactly where is_free; nearest is its first entry, or farther apart than 0.
 inline void reports_agree_with_is_free(const Checker& checker) {
   const auto workspace = checker.make_workspace();
@@ -177,8 +194,10 @@ inline void bad_input_is_refused(const Checker& checker, const Checker& other) {
   RowMatrix rows = RowMatrix::Zero(2, dof);
   bool free[2];
   check_throws<InvalidArgument>([&] { checker.are_free(rows, {free, 1}, *workspace); }, "room for 1");
+  check_throws<InvalidArgument>([&] { checker.find_colliding(rows, {free, 1}, *workspace); }, "room for 1");
   rows(1, 0) = std::numeric_limits<double>::infinity();
   check_throws<InvalidArgument>([&] { checker.are_free(rows, {free, 2}, *workspace); }, "configuration 1");
+  check_throws<InvalidArgument>([&] { checker.find_colliding(rows, {free, 2}, *workspace); }, "configuration 1");
   check_throws<InvalidArgument>([&] { checker.is_free(good, *foreign); }, "another checker");
   check_throws<InvalidArgument>([&] { checker.is_motion_free(good, good, *foreign); }, "another checker");
 }
@@ -247,6 +266,7 @@ inline void check_laws(const Backend& backend) {
     motions_agree_with_samples(*checker, backend.complete);
     ends_belong_to_motions(*checker, backend.complete);
     rows_agree_with_single_configurations(*checker, backend.complete);
+    colliding_rows_are_not_free(*checker);
     reports_agree_with_is_free(*checker);
     reach_bounds_the_change_of_distance(*checker);
     bad_input_is_refused(*checker, *other);

@@ -4,6 +4,8 @@
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <utility>
 
 #include "srmp/core/error.hpp"
 
@@ -181,6 +183,33 @@ BOOST_AUTO_TEST_CASE(trees_that_follow_a_path_only_search_where_it_is_not_free) 
   check(*free.grow(many, {}), maze());
   BOOST_CHECK_THROW(free.follow({}, {}), srmp::InvalidArgument);
   BOOST_CHECK_THROW(free.follow({VectorXd::Zero(3)}, {}), srmp::InvalidArgument);
+}
+
+BOOST_AUTO_TEST_CASE(steps_that_are_known_to_end_in_contact_change_nothing_but_what_is_checked) {
+  std::uint64_t all_without_check = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    std::uint64_t checks = 0, without_check = 0;
+    RrtSpace space = maze();
+    space.is_motion_free = [&](const VectorXd& a, const VectorXd& b) {
+      ++checks;
+      return is_motion_free(a, b);
+    };
+    RrtConnect one_by_one(space, seed);
+    const auto expected = one_by_one.grow(many, {});
+    const std::uint64_t all_checks = std::exchange(checks, 0);
+    space.find_colliding = [&](const srmp::search::Configurations& ends, std::span<bool> colliding) {
+      BOOST_TEST((ends.rows() == static_cast<Eigen::Index>(colliding.size()) && ends.cols() == 2));
+      for (std::size_t i = 0; i < colliding.size(); ++i)  // not of all that collide
+        colliding[i] = i % 3 != 0 && !is_free(ends.row(static_cast<Eigen::Index>(i)).transpose());
+    };
+    space.on_colliding = [&] { ++without_check; };
+    RrtConnect together(space, seed);
+    BOOST_TEST((together.grow(many, {}) == expected));
+    BOOST_TEST(together.attempts() == one_by_one.attempts());
+    BOOST_TEST(checks + without_check == all_checks);
+    all_without_check += without_check;
+  }
+  BOOST_TEST(all_without_check > 0u);
 }
 
 BOOST_AUTO_TEST_CASE(rrt_connect_stops_after_its_attempts_and_at_the_deadline) {

@@ -143,6 +143,7 @@ struct MotionQuery {
 ///   the first of contacts(q).
 /// - are_free says what is_free says of each row (in CheckMode::conservative, and with StateQuery::spheres_only: never
 ///   more).
+/// - find_colliding says true only where is_free says no.
 /// - A motion that is_motion_free or certify_motion call free has no configuration, however finely sampled, where
 ///   is_free says no.
 /// - Between free configurations the distance of nearest changes by at most twice the sum of reach() times the joint
@@ -206,6 +207,11 @@ class Checker {
   /// and unless the sizes agree.
   void are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery& query = {}) const;
 
+  /// Which rows of q (n x dof) are seen to be in contact with little work; `colliding` has n entries, false where that
+  /// is not known. How many are seen may depend on what the workspace checked before. Throws InvalidArgument as
+  /// are_free does.
+  void find_colliding(ConstRows q, std::span<bool> colliding, Workspace& workspace) const;
+
   /// Proves the straight motion from a to b free, independently of is_motion_free where the backend can: the library's
   /// own uses Coal's distances alone (collision/motion_proof.hpp).
   MotionCertificate certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const;
@@ -260,6 +266,8 @@ class Checker {
   virtual WorkspacePtr do_make_workspace() const;
   /// Default: do_is_free, row by row.
   virtual void do_are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery& query) const;
+  /// Default: none is known.
+  virtual void do_find_colliding(ConstRows q, std::span<bool> colliding, Workspace& workspace) const;
   /// Default: whether do_certify_motion proves it.
   virtual bool do_is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, const MotionQuery& query) const;
   /// Default: conservative advancement on do_nearest and do_reach. Sound for every backend, and slow.
@@ -270,6 +278,7 @@ class Checker {
   virtual PlacedSphere do_range() const;
 
   void require_motion(ConstVector a, ConstVector b, const Workspace& workspace) const;
+  void require_rows(ConstRows q, std::size_t results, const char* function, const Workspace& workspace) const;
 
   struct Robots;
   std::unique_ptr<const Robots> robots_;

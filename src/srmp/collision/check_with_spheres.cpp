@@ -100,6 +100,13 @@ bool SceneWorkspace::resolve_lane(ConstVector q, std::span<const UndecidedPair> 
   return true;
 }
 
+void SceneWorkspace::find_colliding(ConstRows q, std::span<bool> colliding) {
+  ++statistics.blocks;
+  const unsigned hits = model_.batch->find_likely_hits({q.data(), static_cast<std::size_t>(q.size())}, *batch_);
+  for (std::size_t lane = 0; lane < colliding.size(); ++lane)
+    colliding[lane] = (hits >> lane & 1) && model_.spheres_reach(q.row(static_cast<Eigen::Index>(lane)).transpose());
+}
+
 void SceneWorkspace::check_block(ConstRows q, std::span<bool> free, const StateQuery& query) {
   const BatchChecker& batch = *model_.batch;
   const auto lanes =

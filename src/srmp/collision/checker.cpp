@@ -210,16 +210,25 @@ bool Checker::is_motion_free(ConstVector a, ConstVector b, Workspace& workspace,
   return do_is_motion_free(a, b, workspace, query);
 }
 
-void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery& query) const {
-  if (free.size() != static_cast<std::size_t>(q.rows()))
-    throw InvalidArgument("are_free: there are " + std::to_string(q.rows()) + " configurations, but room for " +
-                          std::to_string(free.size()) + " results");
+void Checker::require_rows(ConstRows q, std::size_t results, const char* function, const Workspace& workspace) const {
+  if (results != static_cast<std::size_t>(q.rows()))
+    throw InvalidArgument(function + (": there are " + std::to_string(q.rows()) + " configurations, but room for ") +
+                          std::to_string(results) + " results");
   for (Eigen::Index i = 0; i < q.rows(); ++i)
     if (q.cols() != static_cast<Eigen::Index>(dof()) || !q.row(i).allFinite())
       group().require_configuration(q.row(i).transpose(), "configuration " + std::to_string(i));
   require_own(workspace);
+}
+
+void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery& query) const {
+  require_rows(q, free.size(), "are_free", workspace);
   workspace.statistics.states += free.size();
   do_are_free(q, free, workspace, query);
+}
+
+void Checker::find_colliding(ConstRows q, std::span<bool> colliding, Workspace& workspace) const {
+  require_rows(q, colliding.size(), "find_colliding", workspace);
+  do_find_colliding(q, colliding, workspace);
 }
 
 MotionCertificate Checker::certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const {
@@ -259,6 +268,10 @@ double Checker::do_clearance(ConstVector q, Workspace& workspace) const {
 }
 
 std::optional<Contact> Checker::do_nearest_fixed() const { return std::nullopt; }
+
+void Checker::do_find_colliding(ConstRows, std::span<bool> colliding, Workspace&) const {
+  std::ranges::fill(colliding, false);
+}
 
 Checker::WorkspacePtr Checker::do_make_workspace() const { return std::make_unique<Workspace>(); }
 

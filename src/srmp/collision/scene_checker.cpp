@@ -88,6 +88,18 @@ void SceneChecker::do_are_free(ConstRows q, std::span<bool> free, Workspace& wor
   }
 }
 
+void SceneChecker::do_find_colliding(ConstRows q, std::span<bool> colliding, Workspace& workspace) const {
+  std::ranges::fill(colliding, !model_.bodies.overlaps.empty());
+  if (!model_.batch || !model_.bodies.overlaps.empty()) return;
+  auto& scene = static_cast<SceneWorkspace&>(workspace);
+  for (std::size_t first = 0; first < colliding.size(); first += BatchChecker::block) {
+    rare_interruption_point();
+    const std::size_t count = std::min<std::size_t>(BatchChecker::block, colliding.size() - first);
+    scene.find_colliding(q.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(count)),
+                         colliding.subspan(first, count));
+  }
+}
+
 MotionCertificate SceneChecker::do_certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const {
   if (!model_.bodies.overlaps.empty()) {
     const std::vector<Contact> rigid = do_contacts(a, workspace);

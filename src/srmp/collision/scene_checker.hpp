@@ -35,6 +35,7 @@ class SceneChecker final : public Checker {
   bool do_is_free(ConstVector q, Workspace& workspace) const override;
   bool do_is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, const MotionQuery& query) const override;
   void do_are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery& query) const override;
+  void do_find_colliding(ConstRows q, std::span<bool> colliding, Workspace& workspace) const override;
   MotionCertificate do_certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const override;
   std::vector<Contact> do_contacts(ConstVector q, Workspace& workspace) const override;
   std::optional<Contact> do_nearest(ConstVector q, Workspace& workspace) const override;

@@ -84,6 +84,8 @@ class SceneWorkspace final : public Checker::Workspace {
   bool is_motion_free(const MotionQuery& query);
   /// Checks up to 16 configurations, the rows of q.
   void check_block(ConstRows q, std::span<bool> free, const StateQuery& query);
+  /// Of such a block: which configurations collide where spheres within bodies stopped the last motions?
+  void find_colliding(ConstRows q, std::span<bool> colliding);
 
  private:
   /// Primitives of a pair, in candidates_, that alone may come into contact in a part of the motion; none: all may.

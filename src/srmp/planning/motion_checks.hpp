@@ -45,8 +45,14 @@ class MotionChecks {
   bool keeps_rules(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker = 0);
   /// That, and whether the motion is free. `a` is known to be free.
   bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker = 0);
+  /// Which rows of q (n x dof), the ends of motions, are seen to be in contact with little work. By the first worker.
+  void find_colliding(ConstRows q, std::span<bool> colliding) {
+    checker_.find_colliding(q, colliding, *workers_.front().workspace);
+  }
+  /// Counts a motion to one of these, which needs no check.
+  void count_colliding() { ++colliding_; }
   /// Motions that the first worker checked.
-  std::uint64_t motions() const { return checker_.statistics(*workers_.front().workspace).motions; }
+  std::uint64_t motions() const { return checker_.statistics(*workers_.front().workspace).motions + colliding_; }
   /// Throws MotionCheckStopped if any of several workers was stopped.
   void require_not_stopped() const;
   /// Into the fields that count edge checks.
@@ -64,6 +70,7 @@ class MotionChecks {
 
   const Checker& checker_;
   std::vector<Worker> workers_;
+  std::uint64_t colliding_{};  // motions, by their ends
 };
 
 }  // namespace srmp

@@ -1,6 +1,7 @@
 #include "srmp/search/rrt_connect.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "srmp/search/lazy_tree.hpp"
@@ -24,7 +25,8 @@ struct DirectionOptions {
 };
 const DirectionOptions direction_options;
 
-constexpr std::uint64_t attempts_per_look = 8;  // at the clock, which takes as long as some attempts
+constexpr std::size_t max_ahead = 16, min_ahead = 4;  // attempts whose steps are checked together
+constexpr std::uint64_t attempts_per_look = 8;        // at the clock, which takes as long as some attempts
 
 }  // namespace
 
@@ -64,11 +66,15 @@ std::optional<std::vector<Eigen::VectorXd>> RrtConnect::grow(std::uint64_t attem
     }
     const bool backward = trees_[1].nodes.size() < trees_[0].nodes.size();
     Tree &tree = trees_[backward], &other = trees_[!backward];
-    const Eigen::VectorXd q = space_.sample(random_);
-    const std::size_t from = tree.nodes.nearest(q);
+    const Attempt& attempt = next_attempt(tree);
+    ++failures_;
     if (grows_in_directions(tree)) {
-      if (grow_in_directions(tree, from, other)) return path();
-    } else if (extend(tree, from, q)) {
+      if (grow_in_directions(tree, attempt.nearest, other)) return path();
+    } else if (attempt.collides) {
+      space_.on_colliding();
+      ++tree.failures;
+    } else if (extend(tree, attempt.nearest, attempt.sample)) {
+      failures_ = 0;
       tree.failures = 0;
       tree.patience = direction_options.patience;
       if (connect(other, tree.nodes.back())) return path();
@@ -77,6 +83,38 @@ std::optional<std::vector<Eigen::VectorXd>> RrtConnect::grow(std::uint64_t attem
     }
   }
   return std::nullopt;
+}
+
+/// Samples are drawn ahead of their attempts, the more the more attempts have failed: as long as these change no tree,
+/// it is known from where the next ones start, and the ends of their steps are looked at together.
+const RrtConnect::Attempt& RrtConnect::next_attempt(const Tree& tree) {
+  if (next_ == ahead_.size()) {
+    const bool alone = !space_.find_colliding || space_.project;
+    ahead_.resize(alone ? 1 : std::clamp<std::size_t>(failures_ / 2, 1, max_ahead));
+    for (Attempt& attempt : ahead_) attempt.sample = space_.sample(random_);
+    next_ = 0;
+    look_ahead(tree);
+  } else if (size() != seen_size_) {
+    look_ahead(tree);
+  }
+  return ahead_[next_++];
+}
+
+void RrtConnect::look_ahead(const Tree& tree) {
+  seen_size_ = size();
+  const std::span attempts = std::span(ahead_).subspan(next_);
+  for (Attempt& attempt : attempts) {
+    attempt.nearest = tree.nodes.nearest(attempt.sample);
+    attempt.collides = false;
+  }
+  if (attempts.size() < min_ahead) return;
+  Configurations ends(static_cast<Eigen::Index>(attempts.size()), attempts.front().sample.size());
+  for (std::size_t i = 0; i < attempts.size(); ++i)
+    ends.row(static_cast<Eigen::Index>(i)) =
+        step_end(tree, attempts[i].nearest, attempts[i].sample).value_or(attempts[i].sample).transpose();
+  std::array<bool, max_ahead> colliding;
+  space_.find_colliding(ends, std::span(colliding).first(attempts.size()));
+  for (std::size_t i = 0; i < attempts.size(); ++i) attempts[i].collides = colliding[i];
 }
 
 void RrtConnect::follow(const std::vector<Eigen::VectorXd>& path, const Deadline& deadline) {
@@ -104,16 +142,23 @@ std::size_t RrtConnect::memory() const {
   return sum;
 }
 
-/// One step towards a configuration; false if it is not free, or if `from` is there already.
-bool RrtConnect::extend(Tree& tree, std::size_t from, const Eigen::VectorXd& towards) {
+/// Where a step towards a configuration ends; nullopt: `from` is there already.
+std::optional<Eigen::VectorXd> RrtConnect::step_end(const Tree& tree, std::size_t from,
+                                                    const Eigen::VectorXd& towards) const {
   const Eigen::VectorXd a = tree.nodes[from], motion = tree.nodes.difference(a, towards);
   const double length = motion.norm();
-  if (length == 0.0) return false;
-  const Eigen::VectorXd b = a + space_.max_step / length * motion;
-  const Eigen::VectorXd& to = length > space_.max_step ? b : towards;
-  if (space_.project) return extend_projected(tree, from, to, towards);
-  if (!space_.is_motion_free(a, to)) return false;
-  tree.nodes.add(to, from);
+  if (length == 0.0) return std::nullopt;
+  if (length > space_.max_step) return a + space_.max_step / length * motion;
+  return towards;
+}
+
+/// One step towards a configuration; false if it is not free, or if `from` is there already.
+bool RrtConnect::extend(Tree& tree, std::size_t from, const Eigen::VectorXd& towards) {
+  const std::optional<Eigen::VectorXd> to = step_end(tree, from, towards);
+  if (!to) return false;
+  if (space_.project) return extend_projected(tree, from, *to, towards);
+  if (!space_.is_motion_free(tree.nodes[from], *to)) return false;
+  tree.nodes.add(*to, from);
   return true;
 }
 

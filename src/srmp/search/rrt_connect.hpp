@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "srmp/core/deadline.hpp"
@@ -23,6 +24,8 @@ class RandomSequence {
   std::uint64_t state_;
 };
 
+using Configurations = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;  ///< one a row
+
 /// The planning problem: configurations are vectors of one size, motions between them are straight.
 struct RrtSpace {
   std::vector<Eigen::VectorXd> starts;  ///< free
@@ -31,6 +34,10 @@ struct RrtSpace {
   double max_step{1.0};                 ///< length of a motion, finite and > 0
   std::function<Eigen::VectorXd(RandomSequence&)> sample;
   std::function<bool(const Eigen::VectorXd& a, const Eigen::VectorXd& b)> is_motion_free;  ///< `a` is free
+  /// Which rows of `ends` are seen to be in contact with little work: motions to these need no check. Empty: none.
+  /// on_colliding is called for each motion that got none.
+  std::function<void(const Configurations& ends, std::span<bool> colliding)> find_colliding{};
+  std::function<void()> on_colliding{};
   /// Moves a configuration onto the constraint's surface, or says false; empty: there is none. Every step of a tree is
   /// projected (CBiRRT: Berenson et al. 2009, "Manipulation planning on constraint manifolds").
   std::function<bool(Eigen::VectorXd&)> project{};
@@ -71,6 +78,17 @@ class RrtConnect {
     std::size_t next_direction{};  // of RrtSpace::directions
   };
 
+  /// An attempt that is to come.
+  struct Attempt {
+    Eigen::VectorXd sample;
+    std::size_t nearest{};
+    bool collides{};  // is the step towards the sample known to end in contact?
+  };
+
+  const Attempt& next_attempt(const Tree& tree);
+  void look_ahead(const Tree& tree);
+  std::optional<Eigen::VectorXd> step_end(const Tree& tree, std::size_t from, const Eigen::VectorXd& towards) const;
+  std::size_t size() const { return trees_[0].nodes.size() + trees_[1].nodes.size(); }
   void follow(Tree& tree, const std::vector<Eigen::VectorXd>& path, const Deadline& deadline);
   bool extend(Tree& tree, std::size_t from, const Eigen::VectorXd& towards);
   bool extend_projected(Tree& tree, std::size_t from, Eigen::VectorXd to, const Eigen::VectorXd& towards);
@@ -84,6 +102,10 @@ class RrtConnect {
   Tree trees_[2];  // from the starts; from the goals
   std::uint64_t attempts_{};
   RandomSequence random_;
+  std::vector<Attempt> ahead_;  // in order; those before next_ are done
+  std::size_t next_{};
+  std::size_t seen_size_{};  // of both trees, when the attempts ahead were last looked at
+  std::size_t failures_{};   // attempts in a row that changed no tree
 };
 
 }  // namespace srmp::search

@@ -108,7 +108,8 @@ class BatchChecker::Workspace {
   std::vector<UndecidedPair> undecided;
   std::vector<Interval> open, next;
   std::array<Interval, kLanes> lanes;
-  std::array<batch::KernelHit, 5> hits{};  // the last ones, the first hit_count of them
+  static constexpr int motion_hits = 5;     // tested first for each motion: more take longer than they save
+  std::array<batch::KernelHit, 64> hits{};  // the last ones, the first hit_count of them
   int hit_count{};
   BatchStatistics statistics;
 
@@ -119,11 +120,14 @@ class BatchChecker::Workspace {
     unsigned decisive{};
     Pairs pairs{Pairs::all};
     std::size_t used{kLanes};  // lanes that are not copies of the one before
+    bool only_hits{};          // of the last ones
   };
   batch::KernelResult run(const BatchModel& impl, const RunOptions& options) {
     ++statistics.blocks;
     batch::KernelResult result{0, 0, {}, pair_lanes.data(), undecided_pairs.data(), 0};
-    const bool looks_for_hits = options.moving && !options.proofs_only, only_open = options.pairs == Pairs::open;
+    const bool looks_for_hits = options.only_hits || (options.moving && !options.proofs_only);
+    const bool only_open = options.pairs == Pairs::open;
+    const int likely = options.only_hits ? hit_count : std::min(hit_count, motion_hits);
     const char* without_deferred =
         options.pairs == Pairs::not_deferred && !impl.not_deferred.empty() ? impl.not_deferred.data() : nullptr;
     const batch::KernelRequest request{values.get(),
@@ -134,7 +138,8 @@ class BatchChecker::Workspace {
                                        only_open ? is_open.data() : without_deferred,
                                        only_open ? is_open_body.data() : nullptr,
                                        hits.data(),
-                                       looks_for_hits ? hit_count : 0,
+                                       looks_for_hits ? likely : 0,
+                                       options.only_hits,
                                        static_cast<int>(options.used)};
     impl.kernel(view, request, scratch(), result);
     if (looks_for_hits && result.colliding) note_hit(result.hit);
@@ -270,12 +275,11 @@ bool by_time_and_pair(const UndecidedPair& a, const UndecidedPair& b) {
 
 }  // namespace
 
-BatchChecker::Lanes BatchChecker::check_block(std::span<const double> configurations, Workspace& w,
-                                              const BlockOptions& options) const {
+/// Sets the lanes to the configurations; the last one fills what is left. Returns how many there are.
+std::size_t BatchChecker::set_block(std::span<const double> configurations, Workspace& w) const {
   const std::size_t n = dof(), count = n ? configurations.size() / n : 0;
   if (n == 0 || count * n != configurations.size() || count == 0 || count > block)
     throw InvalidArgument("batch checker: a block holds 1 to 16 configurations of " + std::to_string(n) + " entries");
-  w.undecided.clear();
   for (std::size_t k = 0; k < impl_->robot->actuated_joints.size(); ++k) {
     const BatchActuatedJoint& actuated = impl_->robot->actuated_joints[k];
     for (std::size_t i = 0; i < kLanes; ++i) {
@@ -284,6 +288,20 @@ BatchChecker::Lanes BatchChecker::check_block(std::span<const double> configurat
       w.values[k * kLanes + i] = static_cast<float>(value);
     }
   }
+  return count;
+}
+
+std::uint16_t BatchChecker::find_likely_hits(std::span<const double> configurations, Workspace& w) const {
+  if (w.hit_count == 0) return 0;
+  const std::size_t count = set_block(configurations, w);
+  const unsigned used = (1u << count) - 1;
+  return static_cast<std::uint16_t>(w.run(*impl_, {.used = count, .only_hits = true}).colliding & used);
+}
+
+BatchChecker::Lanes BatchChecker::check_block(std::span<const double> configurations, Workspace& w,
+                                              const BlockOptions& options) const {
+  w.undecided.clear();
+  const std::size_t count = set_block(configurations, w);
   const unsigned used = (1u << count) - 1;
   const batch::KernelResult result = w.run(*impl_, {.proofs_only = options.proofs_only, .used = count});
   w.collect(*impl_, result, used, [](int lane) { return Interval{static_cast<double>(lane), 0}; });

@@ -78,6 +78,8 @@ class BatchChecker {
   /// Checks up to 16 configurations, each dof() long, one after the other.
   Lanes check_block(std::span<const double> configurations, Workspace& workspace,
                     const BlockOptions& options = {}) const;
+  /// Which of such configurations collide where the last motions that did not pass were stopped, bit i for number i.
+  std::uint16_t find_likely_hits(std::span<const double> configurations, Workspace& workspace) const;
 
   /// Checks the straight motion from a by `difference` (joint space) in one block: 16 equal intervals. Without deferred
   /// pairs.
@@ -117,6 +119,7 @@ class BatchChecker {
   Eigen::Isometry3d actuated_joint_pose(std::span<const double> q, std::size_t k, Workspace& workspace) const;
 
  private:
+  std::size_t set_block(std::span<const double> configurations, Workspace& workspace) const;
   void begin_motion(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
                     const MotionOptions& options) const;
   CollisionStatus check_levels(Workspace& workspace, const MotionOptions& options, bool only_open) const;

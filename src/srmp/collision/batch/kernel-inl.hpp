@@ -31,6 +31,7 @@ class Slice : RobotLanes {
     bound_motion();
     for (int n = 0; n < request_.likely_count; ++n)
       if (hits_likely(request_.likely[n])) return;
+    if (request_.only_likely) return;
     for (int i = m_.body_count - 1; i >= 0; --i) {  // the farther from the base, the likelier a hit
       if (!is_open_body(i)) continue;
       check_obstacles(i, place_body(i));

@@ -129,8 +129,9 @@ struct KernelRequest {
   const char* open_pairs;    // [pair_count + self_pair_count]: only these are checked; null: all
   const char* open_bodies;   // [body_count]: those of these pairs; null: all
   const KernelHit* likely;   // tested first; whether a hit is found does not depend on them
-  int likely_count;          // 0 with every_lane
-  int used;                  // lanes from here on are copies of the one before: they need no check
+  int likely_count;
+  int only_likely;  // nothing else is tested, and what is not hit is not said to be undecided
+  int used;         // lanes from here on are copies of the one before: they need no check
 };
 
 struct KernelResult {
