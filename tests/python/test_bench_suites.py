@@ -74,7 +74,7 @@ def test_speed_with_a_baseline_in_pairs(suite, stand_in_dir, monkeypatch):
 def test_the_other_measurements_of_speed(suite, stand_in_dir, monkeypatch):
     speed = suite("speed")
     monkeypatch.setattr(speed, "TIMES", (0.001, 2.0))  # a busy machine finds the first path late
-    for kind in ("certified", "first"):
+    for kind in ("certified", "first", "after_change"):
         (row,) = speed.KINDS[kind](str(stand_in_dir), "1", "panda", "urdf", "box").values()
         assert row["seconds"] is not None
     (row,) = speed.anytime(str(stand_in_dir), "1", "panda", "urdf", "box").values()
