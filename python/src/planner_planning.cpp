@@ -462,13 +462,14 @@ it was.
 Raises InvalidArgument for an invalid request, as plan does, with its number; before anything is planned where it
 can.)")
       .def("_stop_plans", &Self::stop_plans, nb::arg("stop"),
-           "Of BatchPlanner: plans in other threads end as cancelled, for as long as it is true.")
+           "Of BatchPlanner and Viewer: plans in other threads end as cancelled, for as long as it is true.")
       .def(
           "plan_multi",
           [](Self& self, nb::handle starts, nb::handle goals, nb::handle obstacles, nb::handle constraints) {
             return self.use([&](PlannerInterface& p) {
               const MultiPlanRequest r = to_multi_request(starts, goals, obstacles, constraints, constraints_of(p));
-              return run_plan(p, [&] { return p.plan_multi(r, python_interrupted); });
+              const auto interrupted = [&self] { return self.stops_plans() || python_interrupted(); };
+              return run_plan(p, [&] { return p.plan_multi(r, interrupted); });
             });
           },
           nb::arg("starts").none(), nb::arg("goals").none(), nb::arg("obstacles") = nb::none(),

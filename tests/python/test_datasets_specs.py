@@ -226,6 +226,19 @@ def test_a_key_that_appears_twice_is_refused(tmp_path):
         read_spec(tmp_path / "spec.yaml")
 
 
+def test_anchors_may_be_merged(tmp_path):
+    text = """
+count: &count 2
+robots: [&first {name: a, model: arm7}, {<<: *first, name: b}]
+scenes: [{kind: table}]
+seed: *count
+"""
+    (tmp_path / "spec.yaml").write_text(text)
+    spec = read_spec(tmp_path / "spec.yaml")
+    assert [robot.name for robot in spec.robots] == ["a", "b"]
+    assert (spec.count, spec.seed) == (2, 2)
+
+
 def test_every_documented_field_is_in_the_whole_spec(tmp_path):
     text = (Path(__file__).parents[2] / "docs" / "datasets.md").read_text()
     rows = re.findall(r"^\| (`.*?) \|", text.split("| field | default | meaning |")[1].split("\n\n")[0], re.MULTILINE)

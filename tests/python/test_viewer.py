@@ -146,6 +146,21 @@ def test_worse_paths_of_an_anytime_planner_are_drawn(planner):
         assert found >= 1 and len(viewer._path_nodes) == found  # all but the best, and what plays
 
 
+def test_closing_ends_plans_that_run():
+    """In another thread, which would plan on until its time limit."""
+    for names in (("arm",), ("left", "right")):
+        viewer = Viewer(arm_world(names), port=0)
+        viewer.close()
+        starts = {name: viewer._world.get_qpos(name) for name in names}
+        goals = {name: srmp.GoalConstraint(srmp.GoalType.JOINTS, q + 0.3) for name, q in starts.items()}
+        with pytest.raises(srmp.PlanningError) as caught:
+            if len(names) == 1:
+                viewer._world.plan(starts["arm"], goals["arm"])
+            else:
+                viewer._world.plan_multi(starts, goals)
+        assert caught.value.status == srmp.Status.cancelled
+
+
 def test_touches_at_a_goal_are_shown_with_names_and_depths(planner, viewer):
     viewer.set_goal("arm", srmp.Pose(p=[0.35, 0.35, 0.4], q=[0, 1, 0, 0]))
     assert any("post" in text and "mm deep" in text for text in viewer._marks.texts)

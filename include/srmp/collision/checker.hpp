@@ -266,7 +266,7 @@ class Checker {
   virtual WorkspacePtr do_make_workspace() const;
   /// Default: do_is_free, row by row.
   virtual void do_are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery& query) const;
-  /// Default: none is known.
+  /// `colliding` is false. Default: none is known.
   virtual void do_find_colliding(ConstRows q, std::span<bool> colliding, Workspace& workspace) const;
   /// Default: whether do_certify_motion proves it.
   virtual bool do_is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, const MotionQuery& query) const;

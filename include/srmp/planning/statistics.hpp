@@ -43,7 +43,7 @@ struct PlanStatistics {
   std::uint64_t samples{};                     ///< configurations that RRT-Connect drew: it expands no states
   std::uint64_t edge_checks{};                 ///< motions checked, shortcut included; the sum of the next four
   std::uint64_t edges_free_by_spheres{};       ///< decided by spheres alone
-  std::uint64_t edges_colliding_by_spheres{};  ///< decided by spheres alone
+  std::uint64_t edges_colliding_by_spheres{};  ///< decided by spheres alone; how many may differ by instruction set
   std::uint64_t edges_free_by_coal{};          ///< decided by Coal, for the parts that spheres left open
   std::uint64_t edges_colliding_by_coal{};     ///< decided by Coal, as before
   std::uint64_t configurations{};              ///< configurations whose kinematics were computed for them

@@ -162,27 +162,40 @@ def _load_yaml(path: Path) -> Any:
         raise srmp.Error(
             'specs need PyYAML: pip install ".[datasets]" in a checkout (or pip install pyyaml).'
         ) from error
-
-    class Loader(yaml.SafeLoader):
-        """Refuses what PyYAML takes silently: a key that appears twice."""
-
-        def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-            seen = set[str]()
-            for key, _ in node.value:
-                if isinstance(key, yaml.ScalarNode) and key.value != "<<":
-                    if key.value in seen:
-                        line = key.start_mark.line + 1
-                        raise srmp.InvalidArgument(f"the key '{key.value}' appears twice, again in line {line}.")
-                    seen.add(key.value)
-            return super().construct_mapping(node, deep)
-
     try:
-        return yaml.load(path.read_text(encoding="utf-8"), Loader)
+        loader = yaml.SafeLoader(path.read_text(encoding="utf-8"))
+        node = loader.get_single_node()
+        _require_unique_keys(node)
+        return None if node is None else loader.construct_document(node)
     except OSError as error:
         raise srmp.FileError(f"{path} cannot be read: {error.strerror}.") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         sentence = " ".join(str(error).split())
         raise srmp.FileError(f"{path} is not YAML: {sentence}.") from error
+
+
+def _require_unique_keys(root: Any) -> None:
+    """Of a tree of nodes: PyYAML takes the last of equal keys."""
+    from yaml import MappingNode, ScalarNode
+
+    left, known = [root], set[int]()  # an alias is the node itself
+    while left:
+        node = left.pop()
+        if id(node) in known or node is None or isinstance(node, ScalarNode):
+            continue
+        known.add(id(node))
+        if not isinstance(node, MappingNode):
+            left += node.value
+            continue
+        seen = set[str]()
+        for key, value in node.value:
+            left.append(value)
+            if not isinstance(key, ScalarNode):
+                continue
+            if key.value in seen:
+                line = key.start_mark.line + 1
+                raise srmp.InvalidArgument(f"the key '{key.value}' appears twice, again in line {line}.")
+            seen.add(key.value)
 
 
 class _Reader:

@@ -191,6 +191,7 @@ class Viewer:
         if not self._closed.is_set():
             self._closed.set()
             atexit.unregister(self.close)
+            self._world._stop_plans(True)
             self._jobs.put(None)
             for thread in self._threads:
                 thread.join()

@@ -101,8 +101,9 @@ bool SceneWorkspace::resolve_lane(ConstVector q, std::span<const UndecidedPair> 
 }
 
 void SceneWorkspace::find_colliding(ConstRows q, std::span<bool> colliding) {
-  ++statistics.blocks;
+  const std::uint64_t blocks = model_.batch->statistics(*batch_).blocks;
   const unsigned hits = model_.batch->find_likely_hits({q.data(), static_cast<std::size_t>(q.size())}, *batch_);
+  statistics.blocks += model_.batch->statistics(*batch_).blocks - blocks;
   for (std::size_t lane = 0; lane < colliding.size(); ++lane)
     colliding[lane] = (hits >> lane & 1) && model_.spheres_reach(q.row(static_cast<Eigen::Index>(lane)).transpose());
 }

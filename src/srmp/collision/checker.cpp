@@ -228,6 +228,7 @@ void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace, 
 
 void Checker::find_colliding(ConstRows q, std::span<bool> colliding, Workspace& workspace) const {
   require_rows(q, colliding.size(), "find_colliding", workspace);
+  std::ranges::fill(colliding, false);
   do_find_colliding(q, colliding, workspace);
 }
 
@@ -269,9 +270,7 @@ double Checker::do_clearance(ConstVector q, Workspace& workspace) const {
 
 std::optional<Contact> Checker::do_nearest_fixed() const { return std::nullopt; }
 
-void Checker::do_find_colliding(ConstRows, std::span<bool> colliding, Workspace&) const {
-  std::ranges::fill(colliding, false);
-}
+void Checker::do_find_colliding(ConstRows, std::span<bool>, Workspace&) const {}
 
 Checker::WorkspacePtr Checker::do_make_workspace() const { return std::make_unique<Workspace>(); }
 

@@ -220,8 +220,8 @@ bool PrimitiveDistance::is_beyond(const Placed& solid, const RoundedBox& box, co
   return true;
 }
 
-/// Leaves those of the node's boxes that are not too far for later, the nearest last. entry(box, bound) is the Open
-/// one.
+/// Leaves those of the node's boxes that are not too far for later, the nearest, or deepest, last. entry(box, bound) is
+/// the Open one.
 template <class Entry>
 void PrimitiveDistance::open_near(const PrimitiveBvh& tree, std::uint32_t node, const Eigen::Array4f& squared_bounds,
                                   double limit, Entry&& entry) {

@@ -89,8 +89,11 @@ void SceneChecker::do_are_free(ConstRows q, std::span<bool> free, Workspace& wor
 }
 
 void SceneChecker::do_find_colliding(ConstRows q, std::span<bool> colliding, Workspace& workspace) const {
-  std::ranges::fill(colliding, !model_.bodies.overlaps.empty());
-  if (!model_.batch || !model_.bodies.overlaps.empty()) return;
+  if (!model_.bodies.overlaps.empty()) {
+    std::ranges::fill(colliding, true);
+    return;
+  }
+  if (!model_.batch) return;
   auto& scene = static_cast<SceneWorkspace&>(workspace);
   for (std::size_t first = 0; first < colliding.size(); first += BatchChecker::block) {
     rare_interruption_point();

@@ -53,10 +53,9 @@ void MotionChecks::require_not_stopped() const {
 }
 
 void MotionChecks::write(PlanStatistics& statistics) const {
-  statistics.edge_checks = statistics.configurations = statistics.narrow_phase = 0;
-  statistics.edges_free_by_spheres = statistics.edges_colliding_by_spheres = 0;
-  statistics.edges_free_by_coal = statistics.edges_colliding_by_coal = 0;
+  statistics.configurations = statistics.narrow_phase = 0;
   statistics.edge_checks = statistics.edges_colliding_by_spheres = colliding_;
+  statistics.edges_free_by_spheres = statistics.edges_free_by_coal = statistics.edges_colliding_by_coal = 0;
   for (const Worker& worker : workers_) {
     const CheckStatistics& checks = checker_.statistics(*worker.workspace);
     const std::uint64_t colliding_by_spheres = checks.motions_by_spheres - worker.free_by_spheres;

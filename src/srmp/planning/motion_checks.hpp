@@ -45,6 +45,8 @@ class MotionChecks {
   bool keeps_rules(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker = 0);
   /// That, and whether the motion is free. `a` is known to be free.
   bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker = 0);
+  /// Are there rules (keeps_rules)? What breaks them is not counted as a check.
+  bool has_rules() const { return workers_.front().constraints || workers_.front().torques; }
   /// Which rows of q (n x dof), the ends of motions, are seen to be in contact with little work. By the first worker.
   void find_colliding(ConstRows q, std::span<bool> colliding) {
     checker_.find_colliding(q, colliding, *workers_.front().workspace);

@@ -85,14 +85,15 @@ std::optional<std::vector<Eigen::VectorXd>> RrtConnect::grow(std::uint64_t attem
   return std::nullopt;
 }
 
-/// Samples are drawn ahead of their attempts, the more the more attempts have failed: as long as these change no tree,
-/// it is known from where the next ones start, and the ends of their steps are looked at together.
+/// Samples are drawn ahead of their attempts, the more the more attempts have failed: until a tree changes, it is known
+/// from where the next ones start, and the ends of their steps are looked at together.
 const RrtConnect::Attempt& RrtConnect::next_attempt(const Tree& tree) {
   if (next_ == ahead_.size()) {
     const bool alone = !space_.find_colliding || space_.project;
-    ahead_.resize(alone ? 1 : std::clamp<std::size_t>(failures_ / 2, 1, max_ahead));
-    for (Attempt& attempt : ahead_) attempt.sample = space_.sample(random_);
+    const std::size_t count = alone ? 1 : std::clamp<std::size_t>(failures_ / 2, 1, max_ahead);
+    ahead_.clear();
     next_ = 0;
+    while (ahead_.size() < count) ahead_.push_back({.sample = space_.sample(random_)});
     look_ahead(tree);
   } else if (size() != seen_size_) {
     look_ahead(tree);
@@ -101,18 +102,18 @@ const RrtConnect::Attempt& RrtConnect::next_attempt(const Tree& tree) {
 }
 
 void RrtConnect::look_ahead(const Tree& tree) {
-  seen_size_ = size();
   const std::span attempts = std::span(ahead_).subspan(next_);
   for (Attempt& attempt : attempts) {
     attempt.nearest = tree.nodes.nearest(attempt.sample);
     attempt.collides = false;
   }
+  seen_size_ = size();
   if (attempts.size() < min_ahead) return;
   Configurations ends(static_cast<Eigen::Index>(attempts.size()), attempts.front().sample.size());
   for (std::size_t i = 0; i < attempts.size(); ++i)
     ends.row(static_cast<Eigen::Index>(i)) =
         step_end(tree, attempts[i].nearest, attempts[i].sample).value_or(attempts[i].sample).transpose();
-  std::array<bool, max_ahead> colliding;
+  std::array<bool, max_ahead> colliding{};
   space_.find_colliding(ends, std::span(colliding).first(attempts.size()));
   for (std::size_t i = 0; i < attempts.size(); ++i) attempts[i].collides = colliding[i];
 }

@@ -80,7 +80,7 @@ class RrtConnect {
 
   /// An attempt that is to come.
   struct Attempt {
-    Eigen::VectorXd sample;
+    Eigen::VectorXd sample{};
     std::size_t nearest{};
     bool collides{};  // is the step towards the sample known to end in contact?
   };
@@ -105,7 +105,7 @@ class RrtConnect {
   std::vector<Attempt> ahead_;  // in order; those before next_ are done
   std::size_t next_{};
   std::size_t seen_size_{};  // of both trees, when the attempts ahead were last looked at
-  std::size_t failures_{};   // attempts in a row that changed no tree
+  std::size_t failures_{};   // attempts since a step towards a sample was free
 };
 
 }  // namespace srmp::search

@@ -78,10 +78,12 @@ search::RrtSpace RrtConnectStrategy::space() const {
   space.is_motion_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     return context_.checks.is_motion_free(a, b);
   };
-  space.find_colliding = [this](const RowMatrix& ends, std::span<bool> colliding) {
-    context_.checks.find_colliding(ends, colliding);
-  };
-  space.on_colliding = [this] { context_.checks.count_colliding(); };
+  if (!context_.checks.has_rules()) {
+    space.find_colliding = [this](const RowMatrix& ends, std::span<bool> colliding) {
+      context_.checks.find_colliding(ends, colliding);
+    };
+    space.on_colliding = [this] { context_.checks.count_colliding(); };
+  }
   if (ConstraintChecker* constraints = context_.checks.constraints()) {
     space.max_step = std::min(space.max_step, constraints->constraints().step());
     space.project = [constraints](Eigen::VectorXd& q) {
