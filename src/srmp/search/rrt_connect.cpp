@@ -26,6 +26,7 @@ struct DirectionOptions {
 const DirectionOptions direction_options;
 
 constexpr std::size_t max_ahead = 16, min_ahead = 4;  // attempts whose steps are checked together
+constexpr std::size_t failures_before = 16;           // in a row: less and it takes longer than it saves
 constexpr std::uint64_t attempts_per_look = 8;        // at the clock, which takes as long as some attempts
 
 }  // namespace
@@ -89,8 +90,8 @@ std::optional<std::vector<Eigen::VectorXd>> RrtConnect::grow(std::uint64_t attem
 /// from where the next ones start, and the ends of their steps are looked at together.
 const RrtConnect::Attempt& RrtConnect::next_attempt(const Tree& tree) {
   if (next_ == ahead_.size()) {
-    const bool alone = !space_.find_colliding || space_.project;
-    const std::size_t count = alone ? 1 : std::clamp<std::size_t>(failures_ / 2, 1, max_ahead);
+    const bool alone = !space_.find_colliding || space_.project || failures_ < failures_before;
+    const std::size_t count = alone ? 1 : std::min<std::size_t>(failures_ / 2, max_ahead);
     ahead_.clear();
     next_ = 0;
     while (ahead_.size() < count) ahead_.push_back({.sample = space_.sample(random_)});
@@ -111,8 +112,7 @@ void RrtConnect::look_ahead(const Tree& tree) {
   if (attempts.size() < min_ahead) return;
   Configurations ends(static_cast<Eigen::Index>(attempts.size()), attempts.front().sample.size());
   for (std::size_t i = 0; i < attempts.size(); ++i)
-    ends.row(static_cast<Eigen::Index>(i)) =
-        step_end(tree, attempts[i].nearest, attempts[i].sample).value_or(attempts[i].sample).transpose();
+    ends.row(static_cast<Eigen::Index>(i)) = step_end(tree, attempts[i].nearest, attempts[i].sample).transpose();
   std::array<bool, max_ahead> colliding{};
   space_.find_colliding(ends, std::span(colliding).first(attempts.size()));
   for (std::size_t i = 0; i < attempts.size(); ++i) attempts[i].collides = colliding[i];
@@ -143,23 +143,24 @@ std::size_t RrtConnect::memory() const {
   return sum;
 }
 
-/// Where a step towards a configuration ends; nullopt: `from` is there already.
-std::optional<Eigen::VectorXd> RrtConnect::step_end(const Tree& tree, std::size_t from,
-                                                    const Eigen::VectorXd& towards) const {
+/// Where a step towards a configuration ends.
+Eigen::VectorXd RrtConnect::step_end(const Tree& tree, std::size_t from, const Eigen::VectorXd& towards) const {
   const Eigen::VectorXd a = tree.nodes[from], motion = tree.nodes.difference(a, towards);
   const double length = motion.norm();
-  if (length == 0.0) return std::nullopt;
   if (length > space_.max_step) return a + space_.max_step / length * motion;
   return towards;
 }
 
 /// One step towards a configuration; false if it is not free, or if `from` is there already.
 bool RrtConnect::extend(Tree& tree, std::size_t from, const Eigen::VectorXd& towards) {
-  const std::optional<Eigen::VectorXd> to = step_end(tree, from, towards);
-  if (!to) return false;
-  if (space_.project) return extend_projected(tree, from, *to, towards);
-  if (!space_.is_motion_free(tree.nodes[from], *to)) return false;
-  tree.nodes.add(*to, from);
+  const Eigen::VectorXd a = tree.nodes[from], motion = tree.nodes.difference(a, towards);
+  const double length = motion.norm();
+  if (length == 0.0) return false;
+  const Eigen::VectorXd b = a + space_.max_step / length * motion;
+  const Eigen::VectorXd& to = length > space_.max_step ? b : towards;
+  if (space_.project) return extend_projected(tree, from, to, towards);
+  if (!space_.is_motion_free(a, to)) return false;
+  tree.nodes.add(to, from);
   return true;
 }
 

@@ -87,7 +87,7 @@ class RrtConnect {
 
   const Attempt& next_attempt(const Tree& tree);
   void look_ahead(const Tree& tree);
-  std::optional<Eigen::VectorXd> step_end(const Tree& tree, std::size_t from, const Eigen::VectorXd& towards) const;
+  Eigen::VectorXd step_end(const Tree& tree, std::size_t from, const Eigen::VectorXd& towards) const;
   std::size_t size() const { return trees_[0].nodes.size() + trees_[1].nodes.size(); }
   void follow(Tree& tree, const std::vector<Eigen::VectorXd>& path, const Deadline& deadline);
   bool extend(Tree& tree, std::size_t from, const Eigen::VectorXd& towards);

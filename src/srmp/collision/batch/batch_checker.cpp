@@ -109,8 +109,9 @@ class BatchChecker::Workspace {
   std::vector<Interval> open, next;
   std::array<Interval, kLanes> lanes;
   static constexpr int motion_hits = 5;     // tested first for each motion: more take longer than they save
-  std::array<batch::KernelHit, 64> hits{};  // the last ones, the first hit_count of them
+  std::array<batch::KernelHit, 64> hits{};  // the first hit_count of them; the last ones come first
   int hit_count{};
+  std::ptrdiff_t next_displaced{};  // of those after the first ones, counted on
   BatchStatistics statistics;
 
   enum class Pairs { all, not_deferred, open };
@@ -148,20 +149,22 @@ class BatchChecker::Workspace {
 
   float* scratch() const { return scratch_of_thread(static_cast<std::size_t>(batch::scratch_floats(view))); }
 
-  /// To the front: motions that are checked one after the other are often stopped by the same bodies.
+  /// To the front: motions that are checked one after the other are often stopped by the same bodies. What leaves the
+  /// first ones takes the place of what joins them.
   void note_hit(const batch::KernelHit& hit) {
     const auto same = [&](const batch::KernelHit& known) {
       return known.of.pair == hit.of.pair && known.sphere == hit.sphere && known.other == hit.other;
     };
-    auto found = std::find_if(hits.begin(), hits.begin() + hit_count, same);
-    if (found == hits.begin() + hit_count) {
-      if (hit_count == std::ssize(hits))
-        --found;
-      else
-        ++hit_count;
-      *found = hit;
-    }
-    std::rotate(hits.begin(), found, found + 1);
+    const auto found = std::find_if(hits.begin(), hits.begin() + hit_count, same);
+    auto place = found - hits.begin();
+    if (place == std::ssize(hits))
+      place = motion_hits + next_displaced++ % (std::ssize(hits) - motion_hits);
+    else if (place == hit_count)
+      ++hit_count;
+    const auto last = std::min<std::ptrdiff_t>(place, motion_hits - 1);
+    hits[static_cast<std::size_t>(place)] = hits[static_cast<std::size_t>(last)];
+    hits[static_cast<std::size_t>(last)] = hit;
+    std::rotate(hits.begin(), hits.begin() + last, hits.begin() + last + 1);
   }
 
   /// Moves the kernel's report into `undecided`, for those of the lanes `used` that do not collide; `at(lane)` is the
