@@ -18,6 +18,11 @@ bool python_interrupted() {
   return PyErr_CheckSignals() != 0;
 }
 
+/// The same, or true while the planner's plans are to stop.
+auto interrupted_or_stopped(const Self& self) {
+  return [&self] { return self.stops_plans() || python_interrupted(); };
+}
+
 /// Runs `plan` without the GIL. A Ctrl-C that ended it is raised.
 template <class Plan>
 auto run_interruptible(Plan&& plan) {
@@ -120,7 +125,7 @@ Trajectory plan(PyPlannerInterface& self, const std::optional<std::string>& robo
         .start_velocity = vector_or_none(start_velocity, "start_velocity of '" + name + "'"),
         .start_acceleration = vector_or_none(start_acceleration, "start_acceleration of '" + name + "'")};
     for (const Goal& form : forms) request.goals.push_back(p.goal(name, form, q));
-    const auto interrupted = [&self] { return self.stops_plans() || python_interrupted(); };
+    const auto interrupted = interrupted_or_stopped(self);
     return run_plan(p, [&] { return p.plan(request, interrupted, report); });
   });
 }
@@ -167,7 +172,7 @@ SequenceResult plan_sequence(PyPlannerInterface& self, const std::optional<std::
   return self.use([&](PlannerInterface& p) {
     const std::string name = robot ? *robot : p.only_robot();
     const Eigen::VectorXd q = start.vector("start of '" + name + "'");
-    const auto interrupted = [&self] { return self.stops_plans() || python_interrupted(); };
+    const auto interrupted = interrupted_or_stopped(self);
     return run_plan(p, [&] { return p.plan_sequence(name, q, segments, interrupted); });
   });
 }
@@ -189,7 +194,7 @@ Trajectory replan(PyPlannerInterface& self, const std::optional<std::string>& ro
     const std::optional<Eigen::VectorXd> here =
         trajectory.timed() && std::isfinite(t) ? std::optional(trajectory.sample(t)) : std::nullopt;
     for (const Goal& form : forms) request.goals.push_back(p.goal(request.robot, form, here));
-    const auto interrupted = [&self] { return self.stops_plans() || python_interrupted(); };
+    const auto interrupted = interrupted_or_stopped(self);
     return run_plan(p, [&] { return p.replan(trajectory, t, request, interrupted); });
   });
 }
@@ -468,7 +473,7 @@ can.)")
           [](Self& self, nb::handle starts, nb::handle goals, nb::handle obstacles, nb::handle constraints) {
             return self.use([&](PlannerInterface& p) {
               const MultiPlanRequest r = to_multi_request(starts, goals, obstacles, constraints, constraints_of(p));
-              const auto interrupted = [&self] { return self.stops_plans() || python_interrupted(); };
+              const auto interrupted = interrupted_or_stopped(self);
               return run_plan(p, [&] { return p.plan_multi(r, interrupted); });
             });
           },

@@ -159,7 +159,7 @@ BOOST_AUTO_TEST_CASE(directions_lead_out_of_a_passage_that_samples_seldom_leave)
     BOOST_REQUIRE(path.has_value());
     check(*path, space);
     with_directions += trees.attempts();
-    space.find_colliding = [&](const srmp::search::Configurations& ends, std::span<bool> colliding) {
+    space.find_colliding = [&](const srmp::RowMatrix& ends, std::span<bool> colliding) {
       for (std::size_t i = 0; i < colliding.size(); ++i) {
         const VectorXd q = ends.row(static_cast<Eigen::Index>(i)).transpose();
         colliding[i] = !space.is_motion_free(q, q);
@@ -209,7 +209,7 @@ BOOST_AUTO_TEST_CASE(steps_that_are_known_to_end_in_contact_change_nothing_but_w
     RrtConnect one_by_one(space, seed);
     const auto expected = one_by_one.grow(many, {});
     const std::uint64_t all_checks = std::exchange(checks, 0);
-    space.find_colliding = [&](const srmp::search::Configurations& ends, std::span<bool> colliding) {
+    space.find_colliding = [&](const srmp::RowMatrix& ends, std::span<bool> colliding) {
       BOOST_TEST((ends.rows() == static_cast<Eigen::Index>(colliding.size()) && ends.cols() == 2));
       for (std::size_t i = 0; i < colliding.size(); ++i)  // not of all that collide
         colliding[i] = i % 3 != 0 && !is_free(ends.row(static_cast<Eigen::Index>(i)).transpose());

@@ -110,7 +110,7 @@ void RrtConnect::look_ahead(const Tree& tree) {
   }
   seen_size_ = size();
   if (attempts.size() < min_ahead) return;
-  Configurations ends(static_cast<Eigen::Index>(attempts.size()), attempts.front().sample.size());
+  RowMatrix ends(static_cast<Eigen::Index>(attempts.size()), attempts.front().sample.size());
   for (std::size_t i = 0; i < attempts.size(); ++i)
     ends.row(static_cast<Eigen::Index>(i)) = step_end(tree, attempts[i].nearest, attempts[i].sample).transpose();
   std::array<bool, max_ahead> colliding{};

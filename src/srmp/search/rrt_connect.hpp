@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "srmp/core/deadline.hpp"
+#include "srmp/core/matrix.hpp"
 #include "srmp/search/configuration_tree.hpp"
 
 namespace srmp::search {
@@ -24,8 +25,6 @@ class RandomSequence {
   std::uint64_t state_;
 };
 
-using Configurations = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;  ///< one a row
-
 /// The planning problem: configurations are vectors of one size, motions between them are straight.
 struct RrtSpace {
   std::vector<Eigen::VectorXd> starts;  ///< free
@@ -36,7 +35,7 @@ struct RrtSpace {
   std::function<bool(const Eigen::VectorXd& a, const Eigen::VectorXd& b)> is_motion_free;  ///< `a` is free
   /// Which rows of `ends` are seen to be in contact with little work: motions to these need no check. Empty: none.
   /// on_colliding is called for each motion that got none.
-  std::function<void(const Configurations& ends, std::span<bool> colliding)> find_colliding{};
+  std::function<void(const RowMatrix& ends, std::span<bool> colliding)> find_colliding{};
   std::function<void()> on_colliding{};
   /// Moves a configuration onto the constraint's surface, or says false; empty: there is none. Every step of a tree is
   /// projected (CBiRRT: Berenson et al. 2009, "Manipulation planning on constraint manifolds").

@@ -31,20 +31,13 @@ class Slice : RobotLanes {
     bound_motion();
     for (int n = 0; n < request_.likely_count; ++n)
       if (hits_likely(request_.likely[n])) return;
+    if (request_.only_likely) return;
     for (int i = m_.body_count - 1; i >= 0; --i) {  // the farther from the base, the likelier a hit
       if (!is_open_body(i)) continue;
       check_obstacles(i, place_body(i));
       if (done()) return;
     }
     check_self();
-  }
-
-  /// Tests nothing but what is likely.
-  __attribute__((noinline)) void run_likely() {
-    place_nodes();
-    bound_motion();
-    for (int n = 0; n < request_.likely_count; ++n)
-      if (hits_likely(request_.likely[n])) return;
   }
 
  private:
@@ -466,11 +459,7 @@ class Slice : RobotLanes {
 
 void SRMP_KERNEL(const KernelModel& model, const KernelRequest& request, float* scratch, KernelResult& result) {
   for (int lane = 0; lane < request.used; lane += kWidth) {
-    Slice slice(model, request, scratch, result, lane);
-    if (request.only_likely)
-      slice.run_likely();
-    else
-      slice.run();
+    Slice(model, request, scratch, result, lane).run();
     if (!request.every_lane && is_decided(request, result)) return;
   }
 }
