@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "bind.hpp"
@@ -21,10 +22,15 @@ class PyPlannerInterface {
 
   template <class Use>
   auto use(Use&& call) {
+    if (user_ == std::this_thread::get_id())
+      throw Error(
+          "this PlannerInterface is planning, and what it calls meanwhile, such as a heuristic, may not use it; give "
+          "that a PlannerInterface of its own");
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock)
       throw Error(
           "this PlannerInterface is planning in another thread; give each thread a PlannerInterface of its own");
+    const User user(user_);
     const InterruptionScope interruptible(raise_interrupt);
     return call(planner_);
   }
@@ -73,7 +79,16 @@ class PyPlannerInterface {
     };
   }
 
+  /// The thread that holds the mutex.
+  using UserId = std::atomic<std::thread::id>;
+  struct User {
+    explicit User(UserId& id) : id(id) { id = std::this_thread::get_id(); }
+    ~User() { id = std::thread::id(); }
+    UserId& id;
+  };
+
   std::mutex mutex_;
+  UserId user_{};
   std::atomic<bool> stops_plans_{false};
   PlannerInterface planner_;
   std::map<std::string, nb::callable> heuristics_;

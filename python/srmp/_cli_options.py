@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import click
@@ -46,6 +48,42 @@ def execution_options(command: Any) -> Any:
         ),
     ]
     return decorated(command, decorators)
+
+
+def keep_inputs(command: click.Command) -> None:
+    """Has the command, and those of a group, refuse to write one file twice, or over what it reads."""
+    if isinstance(command, click.Group):
+        for part in command.commands.values():
+            keep_inputs(part)
+        return
+    callback = command.callback
+    assert callback is not None
+
+    @functools.wraps(callback)
+    def checked(**values: Any) -> Any:
+        _refuse_same_files([(param, values[param.name]) for param in command.params if values.get(param.name or "")])
+        return callback(**values)
+
+    command.callback = checked
+
+
+def _refuse_same_files(given: Sequence[tuple[click.Parameter, Any]]) -> None:
+    read: list[tuple[click.Parameter, Path]] = []
+    written: list[tuple[click.Parameter, Path]] = []
+    for param, value in given:
+        if isinstance(param.type, click.Path):
+            (read if param.type.exists else written).append((param, Path(value).resolve()))
+    for k, (param, path) in enumerate(written):
+        for other, own in [*read, *written[:k]]:
+            if own == path:
+                does = "writes" if other in (earlier for earlier, _ in written) else "reads"
+                raise click.UsageError(
+                    f"{_shown(param)} is the file that {_shown(other)} {does}: {path}; name another."
+                )
+
+
+def _shown(param: click.Parameter) -> str:
+    return max(param.opts, key=len) if isinstance(param, click.Option) else (param.name or "").upper()
 
 
 def parse_key_values(pairs: Sequence[str]) -> dict[str, str]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import json
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,6 +11,8 @@ from srmp import _srmp
 
 if TYPE_CHECKING:
     import srmp
+
+COMPARED_STATISTICS = ("path_cost_rad", "bound", "bound_graph", "goal_index")  # times and work may differ
 
 
 def plan_again(world: srmp.PlannerInterface, request: srmp.PlanRequest | srmp.MultiPlanRequest) -> None:
@@ -37,11 +40,12 @@ def first_difference(
     if not before.solved:
         return None
     if isinstance(before, _srmp.PlanResult):
-        return _first_difference(before.trajectory, now.trajectory)
+        difference = _first_difference(before.trajectory, now.trajectory)
+        return difference or _first_difference_of_statistics(before.statistics, now.statistics)
     for robot, trajectory in before.trajectory.items():
         if difference := _first_difference(trajectory, now.trajectory[robot]):
             return f"robot '{robot}': {difference}"
-    return None
+    return _first_difference_of_statistics(before.statistics, now.statistics)
 
 
 def _first_difference(before: srmp.Trajectory, now: srmp.Trajectory) -> str | None:
@@ -56,4 +60,25 @@ def _first_difference(before: srmp.Trajectory, now: srmp.Trajectory) -> str | No
             place = tuple(places[0])
             column = f", column {place[1]} ({before.joint_names[place[1]]})" if len(place) > 1 else ""
             return f"{name}, row {place[0]}{column}: was {float(a[place])!r} and is {float(b[place])!r}"
+    return _first_difference_of_entries("certificate", _entries(before.certificate), _entries(now.certificate))
+
+
+def _entries(certificate: srmp.Certificate | None) -> dict[str, Any]:
+    entries = {} if certificate is None else certificate.to_dict()
+    entries.pop("time_s", None)
+    return entries
+
+
+def _first_difference_of_statistics(before: dict[str, Any], now: dict[str, Any]) -> str | None:
+    kept = [name for name in COMPARED_STATISTICS if name in before]
+    return _first_difference_of_entries(
+        "statistics", *({name: each.get(name) for name in kept} for each in (before, now))
+    )
+
+
+def _first_difference_of_entries(what: str, before: dict[str, Any], now: dict[str, Any]) -> str | None:
+    for name in [*before, *(name for name in now if name not in before)]:
+        was, is_now = (json.dumps(each.get(name), default=str) for each in (before, now))
+        if was != is_now:
+            return f"{what}, {name}: was {was} and is {is_now}"
     return None

@@ -86,6 +86,14 @@ def is_multi(path: str | os.PathLike[str]) -> bool:
         return False  # the reader of the file says what is wrong
 
 
+def has_scene(path: str | os.PathLike[str]) -> bool:
+    """Returns whether this is a problem or scene file, whole or damaged."""
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))["format"] in ("srmp problem", "srmp scene")
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return False
+
+
 def verify_multi(
     world: srmp.PlannerInterface, *, jerk: bool, max_deviation: float | None, at_rest: bool
 ) -> dict[str, srmp.Certificate]:

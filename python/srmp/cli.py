@@ -14,7 +14,7 @@ from click.core import ParameterSource
 import srmp
 from srmp._cli_bench import bench
 from srmp._cli_datasets import audit, export, generate
-from srmp._cli_options import decorated, parse_key_values, planner_options, steps_bar
+from srmp._cli_options import decorated, keep_inputs, parse_key_values, planner_options, steps_bar
 from srmp._cli_robots import robots, srdf
 
 EXISTING_FILE = click.Path(exists=True, dir_okay=False)
@@ -329,12 +329,14 @@ def _print_certificates(certificates: Mapping[str, srmp.Certificate]) -> None:
 
 
 def _load_world(scene: str | None, plan: str, package_dirs: Sequence[str]) -> srmp.PlannerInterface:
+    from srmp._verify import has_scene
+
     try:
         return srmp.PlannerInterface.load(scene or plan, package_dirs=list(package_dirs))
     except srmp.FileError as error:
-        if not scene:
+        if not scene and not has_scene(plan):
             hint = "say with --scene what the trajectory is to be verified against"
-        elif Path(scene).suffix in (".yaml", ".yml"):
+        elif scene and Path(scene).suffix in (".yaml", ".yml"):
             hint = "a MoveIt scene needs its robot too: --urdf"
         else:
             raise
@@ -519,6 +521,7 @@ def cmake_dir() -> None:
 
 for command in (robots, srdf, bench, generate, audit, export):
     main.add_command(command)
+keep_inputs(main)
 
 
 if __name__ == "__main__":

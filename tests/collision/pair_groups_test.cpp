@@ -66,7 +66,7 @@ void check_bounds_in_envelopes(const Scene& scene, const std::vector<std::string
     }
     here.place_in_range(q, change, linear, rest);
     for (const detail::Pair& pair : model.bodies.pairs)
-      BOOST_TEST(std::abs(here.distance_bound_in_envelopes(pair, nullptr) - here.distance_bound(pair)) < 1e-9);
+      BOOST_TEST(std::abs(here.bound_in_envelopes(pair).distance - here.distance_bound(pair)) < 1e-9);
     for (int sample = 0; sample < 20; ++sample) {
       const double along = sample % 2 ? 1.0 : dice.in(-1, 1);
       Eigen::VectorXd to = q;

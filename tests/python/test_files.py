@@ -273,6 +273,25 @@ def test_replay_says_where_it_differs(problem):
     assert (result.exit_code, result.output) == (1, "differs: the status was exhausted and is solved\n")
 
 
+@pytest.mark.parametrize(
+    ("part", "name", "value", "expected"),
+    [
+        ("statistics", "path_cost_rad", 0.1, r"statistics, path_cost_rad: was 0\.1 and is \d"),
+        ("statistics", "bound", 1.5, r"statistics, bound: was 1\.5 and is \d"),
+        ("certificate", "clearance", 99, r"certificate, clearance: was 99\.0 and is \d"),
+        ("certificate", "body_a", "nothing", r'certificate, body_a: was "nothing" and is "'),
+    ],
+)
+def test_replay_compares_what_is_said_of_the_path(problem, part, name, value, expected):
+    content = json.loads(problem.read_text())
+    result = content["result"]
+    (result if part == "statistics" else result["trajectory"])[part][name] = value
+    problem.write_text(json.dumps(content))
+    output = run("replay", problem)
+    assert output.exit_code == 1
+    assert re.match("differs: " + expected, output.output)
+
+
 @pytest.mark.parametrize("in_motion", [False, True])
 def test_replay_keeps_constraints_and_starts_in_motion(arm, ready, tmp_path, in_motion):
     here = arm.compute_fk("arm", ready)
@@ -312,6 +331,33 @@ def test_plan_saves_what_replay_reads(tmp_path):
     assert result.exit_code == 0, result.output
     assert srmp.Trajectory.load(tmp_path / "plan.json") == srmp.Trajectory.load(tmp_path / "p.srmp.json")
     assert run("replay", tmp_path / "p.srmp.json").exit_code == 0
+
+
+def test_no_command_writes_over_what_it_reads_or_writes(tmp_path):
+    examples = Path(__file__).parents[2] / "examples" / "moveit"
+    request, urdf = tmp_path / "request.yaml", tmp_path / "arm.urdf"
+    request.write_bytes((examples / "request.yaml").read_bytes())
+    urdf.write_bytes(Path(srmp.data_path("arm7.urdf")).read_bytes())
+    arguments = ["plan", "--urdf", urdf, "--srdf", srmp.data_path("arm7.srdf"), "--request", request]
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    link = tmp_path / "link.yaml"
+    link.symlink_to(request)
+    cases = [
+        ([*arguments, "-o", request], "--output is the file that --request reads"),
+        ([*arguments, "-o", link], "--output is the file that --request reads"),
+        ([*arguments, "-o", tmp_path / "." / "arm.urdf"], "--output is the file that --urdf reads"),
+        (
+            [*arguments, "-o", tmp_path / "p.json", "--save", tmp_path / "p.json"],
+            "--save is the file that --output writes",
+        ),
+        (["srdf", urdf, "-o", urdf], "--output is the file that URDF reads"),
+    ]
+    for case, expected in cases:
+        result = run(*case)
+        assert result.exit_code == 2
+        assert expected in " ".join(result.output.split())
+    link.unlink()
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_what_is_made_whole_is_there_completely_or_not_at_all(tmp_path):

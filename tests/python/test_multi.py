@@ -76,6 +76,17 @@ def test_constraint_tree_nodes_are_counted():
     assert 1 <= statistics["bound"] <= 1.3 * 1.3 * 50
 
 
+@pytest.mark.parametrize("planner_id", ["auto", "RRTConnect"])
+def test_paths_without_lattices_are_compared_with_every_path(planner_id):
+    planner = two(planner_id, distance=5)
+    planner.plan_multi(STARTS, GOALS)
+    statistics = planner.get_planning_stats()
+    assert statistics["found_by"] == "each robot alone"
+    assert statistics["bound_graph"] == "every path"
+    straight = sum(np.linalg.norm(GOALS[name].targets[0] - STARTS[name]) for name in STARTS)
+    assert statistics["bound"] == pytest.approx(statistics["path_cost_rad"] / straight)
+
+
 def test_the_bound_of_ecbs_is_about_the_lattices_in_which_it_found_the_paths():
     planner = two("ECBS", resolution=10)
     planner.plan_multi(STARTS, GOALS)

@@ -427,6 +427,26 @@ def test_a_continuous_joint_passes_on_the_other_side():
     planner.plan("rod", [-1.5, 0.5, 0.1], srmp.GoalConstraint(srmp.GoalType.JOINTS, [1.5, -0.5, 0.3]))
 
 
+OF_ONE_ROBOT = [name for name in srmp.available_planners() if srmp.planner_info(name).one_robot]
+
+
+@pytest.mark.parametrize("direction", ["forward", "backward", "auto"])
+@pytest.mark.parametrize("name", OF_ONE_ROBOT)
+def test_every_planner_starts_at_the_start_itself(name, direction):
+    """Not whole turns away from it, where the path comes from the goal or past half a turn."""
+    planner, random = ring_around_the_elbow("continuous"), np.random.default_rng(1)
+    info = srmp.planner_info(name)
+    has_levels = any(option.name == "multi_resolution" for option in info.options)
+    limit = 0.2 if "anytime" in info.guarantee else 60
+    for levels in [{}, {"multi_resolution": False}] if has_levels else [{}]:
+        planner.make_planner("rod", {"planner_id": name, "time_limit": limit, "direction": direction, **levels})
+        for _ in range(3):
+            start, goal = (np.append(random.uniform(-1, 1, 2), random.uniform(0, 0.5)) for _ in range(2))
+            start[0], goal[0] = np.pi + 2 * np.pi * random.integers(-2, 3) - 0.3, -np.pi + 0.5
+            trajectory = planner.plan("rod", start, srmp.GoalConstraint(srmp.GoalType.JOINTS, goal))
+            assert (trajectory.positions[0] == start).all() and (trajectory.waypoints[0] == start).all()
+
+
 def test_lattices_reach_goals_that_are_whole_turns_away():
     """Where the search ended at a place on the grid, the goal itself is not a turn away from it."""
     planner, random = ring_around_the_elbow("continuous"), np.random.default_rng(0)
@@ -535,6 +555,21 @@ def test_typed_options_equal_the_library_defaults():
 def test_print_available_planners(arm, capsys):
     arm.print_available_planners()
     assert "ARAstar" in capsys.readouterr().out
+
+
+def test_a_planner_is_not_used_by_what_it_calls(arm, ready):
+    arm.add_heuristic("own", lambda q, goals: np.zeros(len(q)) + arm.is_state_colliding("arm", q[0]))
+    arm.make_planner("arm", {"planner_id": "wAstar", "heuristic": "own"})
+    with pytest.raises(srmp.Error, match="what it calls meanwhile, such as a heuristic, may not use it; give that a"):
+        arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, ready + 0.3))
+
+
+@pytest.mark.parametrize("what", ["velocity", "acceleration"])
+def test_scaling_that_leaves_no_limit_is_refused_by_its_name(arm, ready, what):
+    arm.make_planner("arm", {f"{what}_scaling": 1e-7})
+    expected = rf"{what}_scaling is 1e-07, which makes a limit of \d.*e-0[78]; limits must be 1e-06 or above"
+    with pytest.raises(srmp.InvalidArgument, match=expected):
+        arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, ready + 0.3))
 
 
 @pytest.mark.parametrize("heuristic", ["joint_euclidean", "bfs"])

@@ -284,6 +284,16 @@ def test_plan_keeps_the_speed_that_the_request_allows(tmp_path):
     assert 0.09 < use.speed <= 0.1
 
 
+def test_a_damaged_problem_file_is_what_is_wrong(planned, tmp_path):
+    damaged = tmp_path / "damaged.srmp.json"
+    content = json.loads((planned[0] / "problem.json").read_text())
+    content["scene"]["robots"][0]["name"] = 7
+    damaged.write_text(json.dumps(content))
+    result = srmp_command("verify", damaged)
+    assert result.exit_code == 2
+    assert "--scene" not in result.output
+
+
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [

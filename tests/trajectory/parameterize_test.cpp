@@ -179,6 +179,40 @@ BOOST_AUTO_TEST_CASE(extreme_limits_and_lengths_are_solved) {
   }
 }
 
+BOOST_AUTO_TEST_CASE(straight_motions_are_as_fast_as_velocity_and_acceleration_allow) {
+  Random random(22);
+  for (int i = 0; i < 2000; ++i) {
+    BOOST_TEST_CONTEXT("path " << i) {
+      RowMatrix path(2, 2);
+      path << 0.0, 1.0, random.scale(1e-6, 1e2), 1.0;
+      const double length = path(1, 0), v = random.scale(1e-4, 1e4), a = random.scale(1e-3, 1e5);
+      const double fastest = v * v < a * length ? length / v + v / a : 2.0 * std::sqrt(length / a);  // trapezoids
+      const Trajectory t = time_parameterize(path, {"a", "b"}, uniform_limits(2, v, a, 1),
+                                             with(TimingMethod::toppra, std::max(1e-3, fastest / 100)));
+      BOOST_TEST(t.duration() >= fastest * (1.0 - 1e-6));
+      BOOST_TEST(t.duration() <= 1.01 * fastest + 1e-3);  // no motion is shorter than a millisecond
+    }
+  }
+}
+
+BOOST_AUTO_TEST_CASE(limits_of_all_sizes_are_kept_together) {
+  Random random(23);
+  for (int i = 0; i < 1000; ++i) {
+    BOOST_TEST_CONTEXT("path " << i) {
+      Problem problem = random_problem(random);
+      for (Eigen::Index j = 0; j < problem.waypoints.cols(); ++j) {
+        problem.limits.velocity[j] = random.scale(1e-3, 1e8);
+        problem.limits.acceleration[j] = random.scale(1e-5, 1e5);
+      }
+      const Trajectory t = time_parameterize(problem.waypoints, names(problem.waypoints.cols()), problem.limits,
+                                             with(TimingMethod::toppra, 1e3));
+      const Uses uses = uses_of(t, problem.limits);
+      BOOST_TEST(uses.velocity <= 1.0 + 1e-6);
+      BOOST_TEST(uses.acceleration <= 1.0 + 1e-6);
+    }
+  }
+}
+
 BOOST_AUTO_TEST_CASE(the_duration_is_the_min_that_the_limits_allow) {
   RowMatrix path(2, 2);
   path << 0, 0, 2, 1;

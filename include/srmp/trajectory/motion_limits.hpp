@@ -24,6 +24,9 @@ struct LinkSpeedLimit {
   }
 };
 
+/// Limits beyond these no machine has. Computing with them would lose the digits of a double.
+inline constexpr double min_motion_limit = 1e-6, max_motion_limit = 1e9;
+
 /// Limits of each joint's motion; all > 0, one entry a joint, in the order of the joint names.
 struct MotionLimits {
   Eigen::VectorXd velocity;      ///< [rad/s or m/s]

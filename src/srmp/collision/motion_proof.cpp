@@ -13,6 +13,7 @@
 namespace srmp {
 
 using detail::CubicSegments;
+using detail::DistanceBound;
 using detail::infinity;
 using detail::NarrowPhase;
 using detail::Pair;
@@ -106,7 +107,7 @@ class Prover {
   bool prove_pair(Open open, const Interval& interval);
   void close(const Open& open, const Interval& interval, bool measured);
   bool sharpen();
-  double bound_left(const Pair& pair, double motion, double bound, const Eigen::Vector3d& direction, double required);
+  double bound_left(const Pair& pair, double motion, const DistanceBound& bound, double required);
   Check check(const Pair& pair, double motion, double required);
   Check measure(const Pair& pair, double motion, double required);
   static int levels_for(double room, double motion) {
@@ -255,21 +256,20 @@ void Prover::place_at(const Interval& interval) {
   workspace_.place_in_range(range_.middle, range_.change, range_.linear, range_.rest);
 }
 
-/// A clearance that the pair keeps over the interval around the current configuration: bounding volumes are `bound`
-/// apart here, across planes with this normal. No more than `required` where that does not prove as much.
-double Prover::bound_left(const Pair& pair, double motion, double bound, const Eigen::Vector3d& direction,
-                          double required) {
-  const double apart = bound - pair.padding - NarrowPhase::tolerance;
+/// A clearance that the pair keeps over the interval around the current configuration, from the bound here. No more
+/// than `required` where that does not prove as much.
+double Prover::bound_left(const Pair& pair, double motion, const DistanceBound& bound, double required) {
+  const double apart = bound.distance - pair.padding - NarrowPhase::tolerance;
   if (apart - motion > required || apart <= required) return apart - motion;
+  const Eigen::Vector3d direction = bound.direction();
   return apart - workspace_.approach(pair, 1.0, &direction);
 }
 
 /// Checks a pair over the interval around the current configuration. A clearance of `required` will do, though
 /// distances are computed as far as the goal.
 Prover::Check Prover::check(const Pair& pair, double motion, double required) {
-  Eigen::Vector3d direction;
-  const double bound = workspace_.distance_bound(pair, &direction),
-               left = bound_left(pair, motion, bound, direction, required);
+  const DistanceBound bounds = workspace_.bound(pair);
+  const double bound = bounds.distance, left = bound_left(pair, motion, bounds, required);
   if (left > required) return {CollisionStatus::free, left, false};
   if (seldom_stopped(pair)) return {CollisionStatus::undecided, 0.0, false};
   if (motion < Checker::motion_floor || motion <= workspace_.likely_max_distance(pair, bound))
@@ -338,16 +338,15 @@ void Prover::close(const Open& open, const Interval& interval, bool measured) {
 /// enough apart, or leaves them open; false at a contact.
 bool Prover::prove_group(const Open& open, const Interval& interval) {
   const Pair& around = groups_.pair_of(open.pair);
-  Eigen::Vector3d direction;
-  const double motion = approach(around), bound = workspace_.distance_bound(around, &direction),
-               left = bound_left(around, motion, bound, direction, goal());
+  const DistanceBound bound = workspace_.bound(around);
+  const double motion = approach(around), left = bound_left(around, motion, bound, goal());
   if (left > goal()) {
     note_proved({left, interval, open.pair, false});
     return true;
   }
   // Members are rarely farther apart than the envelopes by more than `looseness`: over longer motions they are not
   // tried.
-  const double room = bound - around.padding - NarrowPhase::tolerance - goal(),
+  const double room = bound.distance - around.padding - NarrowPhase::tolerance - goal(),
                looseness = workspace_.likely_max_distance(around, 0.0) / 2.0, longest = std::max(room, 0.0) + looseness;
   const bool is_halved = motion > longest || motion < longest_group_motion * room;
   if (is_halved && motion >= finest_motion && !interval.is_indivisible()) {
@@ -361,11 +360,12 @@ bool Prover::prove_group(const Open& open, const Interval& interval) {
 /// As prove_pair, of a pair of a group: most of them are far enough apart by the quick bounds.
 bool Prover::prove_member(std::uint32_t member, const Interval& interval) {
   const Pair& pair = model_.bodies.pairs[member];
-  Eigen::Vector3d direction;
-  const double apart = workspace_.distance_bound_in_envelopes(pair, &direction) - pair.padding - NarrowPhase::tolerance;
+  const DistanceBound bound = workspace_.bound_in_envelopes(pair);
+  const double apart = bound.distance - pair.padding - NarrowPhase::tolerance;
   double left = apart - displacement_in_envelope(pair.a, pair.support_a);
   if (!pair.b_fixed) left -= displacement_in_envelope(pair.b, pair.support_b);
   if (left <= goal() && apart > goal()) {
+    const Eigen::Vector3d direction = bound.direction();
     left = apart - workspace_.displacement_in_envelope(pair.a, pair.support_a, &direction);
     if (!pair.b_fixed) left -= workspace_.displacement_in_envelope(pair.b, pair.support_b, &direction);
   }
@@ -398,8 +398,8 @@ bool Prover::prove_pair(Open open, const Interval& interval) {
 
 /// Proves the pairs open_[first, first + count) over the interval; false at a contact.
 bool Prover::prove(const Interval& interval, std::size_t first, std::size_t count) {
-  rare_interruption_point();
   const bool looks_at_clock = visits_++ % visits_per_look == 0;
+  if (looks_at_clock) rare_interruption_point();
   if (samples_ >= max_samples || (looks_at_clock ? stopped() : late_)) {
     for (std::size_t i = first; i < first + count; ++i) close(open_[i], interval, false);
     return true;

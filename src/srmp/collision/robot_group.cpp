@@ -93,13 +93,13 @@ void RobotGroup::forward(Data& data, ConstVector q) const {
 }
 
 Eigen::Isometry3d RobotGroup::geometry_pose(const Data& data, std::size_t robot, std::size_t geometry) const {
-  const Eigen::Isometry3d pose = model(robot).geometry_pose(*data[robot], geometry);
-  return robot == 0 ? pose : robots_[robot].base * pose;
+  if (robot == 0) return model(0).geometry_pose(*data[0], geometry);
+  return robots_[robot].base * model(robot).geometry_pose(*data[robot], geometry);
 }
 
 Eigen::Isometry3d RobotGroup::link_pose(const Data& data, std::size_t robot, std::size_t link) const {
-  const Eigen::Isometry3d pose = model(robot).link_pose(*data[robot], link);
-  return robot == 0 ? pose : robots_[robot].base * pose;
+  if (robot == 0) return model(0).link_pose(*data[0], link);
+  return robots_[robot].base * model(robot).link_pose(*data[robot], link);
 }
 
 std::pair<Eigen::Vector3d, Eigen::Vector3d> RobotGroup::actuated_joint_axis(const Data& data, std::size_t k) const {

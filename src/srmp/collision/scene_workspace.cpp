@@ -104,32 +104,30 @@ Contact SceneWorkspace::contact(const Pair& pair) {
 
 // --- one configuration
 
-double SceneWorkspace::distance_bound(const Pair& pair, Eigen::Vector3d* direction) {
+DistanceBound SceneWorkspace::bound(const Pair& pair) {
   const Eigen::Vector3d& center = place_of(pair.a).center;
-  return distance_bound(pair, center, pair.b_fixed ? center : place_of(pair.b).center, direction);
+  return bound(pair, center, pair.b_fixed ? center : place_of(pair.b).center);
 }
 
-double SceneWorkspace::distance_bound_in_envelopes(const Pair& pair, Eigen::Vector3d* direction) {
+DistanceBound SceneWorkspace::bound_in_envelopes(const Pair& pair) {
   const Eigen::Vector3d& center = carried(pair.a).center;
-  return distance_bound(pair, center, pair.b_fixed ? center : carried(pair.b).center, direction);
+  return bound(pair, center, pair.b_fixed ? center : carried(pair.b).center);
 }
 
 /// From a sphere around a, and a box or a sphere around b: between these centres, a fixed b has its own.
-double SceneWorkspace::distance_bound(const Pair& pair, const Eigen::Vector3d& center, const Eigen::Vector3d& center_b,
-                                      Eigen::Vector3d* direction) const {
+DistanceBound SceneWorkspace::bound(const Pair& pair, const Eigen::Vector3d& center,
+                                    const Eigen::Vector3d& center_b) const {
   const double radius = bodies_.moving_body(pair.a).bounds.radius;
   if (!pair.b_fixed) {
     const Eigen::Vector3d apart = center - center_b;
-    const double distance = apart.norm();
-    if (direction) *direction = apart / distance;
-    return distance - radius - bodies_.moving_body(pair.b).bounds.radius;
+    const double length = apart.norm();
+    return {length - radius - bodies_.moving_body(pair.b).bounds.radius, apart, length, nullptr};
   }
   const FixedBody& b = bodies_.fixed[pair.b];
   const Eigen::Vector3d local = b.pose.linear().transpose() * (center - b.pose.translation()) - b.bounds.box_center;
   const Eigen::Vector3d outside = (local.cwiseAbs() - b.bounds.box_half).cwiseMax(0.0);
-  const double distance = outside.norm();
-  if (direction) *direction = b.pose.linear() * outside.cwiseProduct(local.cwiseSign()) / distance;
-  return distance - radius;
+  const double length = outside.norm();
+  return {length - radius, outside.cwiseProduct(local.cwiseSign()), length, &b.pose};
 }
 
 /// A body usually has points on all sides of its bounding sphere's centre, or near it.

@@ -15,6 +15,21 @@ struct ContactOptions {
   bool use_tables{true};  ///< may tables of pairs decide?
 };
 
+/// A lower bound of how far apart two bodies are, from volumes around them.
+struct DistanceBound {
+  double distance{};                  ///< [m]
+  Eigen::Vector3d from_b;             ///< to a: between what the volumes are around, in the frame of `pose_b`
+  double length{};                    ///< of from_b
+  const Eigen::Isometry3d* pose_b{};  ///< null: the frame of all poses
+
+  /// Where the distance is positive: a unit vector from b to a, the normal of planes that separate the two by that
+  /// much.
+  Eigen::Vector3d direction() const {
+    if (pose_b) return pose_b->linear() * from_b / length;
+    return from_b / length;
+  }
+};
+
 /// A thread's scratch memory of a SceneChecker: the bodies at one configuration, and the checks that need them there.
 /// Once warm, checks of configurations and motions allocate nothing.
 ///
@@ -30,9 +45,9 @@ class SceneWorkspace final : public Checker::Workspace {
   /// Places the bodies at q: what follows is about them there.
   void place(ConstVector q);
   /// A lower bound of the pair's distance from bounding volumes; padding not counted. The moving bodies of the pair may
-  /// be envelopes. `direction`, where the bound is positive: a unit vector from b to a, the normal of planes that
-  /// separate the two by that much.
-  double distance_bound(const Pair& pair, Eigen::Vector3d* direction = nullptr);
+  /// be envelopes.
+  DistanceBound bound(const Pair& pair);
+  double distance_bound(const Pair& pair) { return bound(pair).distance; }
   /// The pair's distance is rarely more than this, given its distance_bound.
   double likely_max_distance(const Pair& pair, double bound) const;
   /// A lower bound of the pair's distance, padding not counted, from convex solids around the two; infinity when it
@@ -71,7 +86,7 @@ class SceneWorkspace final : public Checker::Workspace {
   double approach(const Pair& pair, double half_width = 1.0, const Eigen::Vector3d* direction = nullptr);
   // The two bounds for bodies of envelopes, from where those are and how they move: looser, and in a fraction of the
   // time.
-  double distance_bound_in_envelopes(const Pair& pair, Eigen::Vector3d* direction);
+  DistanceBound bound_in_envelopes(const Pair& pair);
   double displacement_in_envelope(std::size_t body, std::uint64_t support, const Eigen::Vector3d* direction = nullptr);
   /// The clearance that the pair keeps within `half_width` of the motion around here, by planes that separate the two;
   /// negative where that proves nothing.
@@ -120,8 +135,7 @@ class SceneWorkspace final : public Checker::Workspace {
 
   const Place& place_of(std::size_t body);
   const Carried& carried(std::size_t body);
-  double distance_bound(const Pair& pair, const Eigen::Vector3d& center, const Eigen::Vector3d& center_b,
-                        Eigen::Vector3d* direction) const;
+  DistanceBound bound(const Pair& pair, const Eigen::Vector3d& center, const Eigen::Vector3d& center_b) const;
   double query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough,
                         Separation* separation = nullptr);
   void place_with_axes(ConstVector q);

@@ -99,6 +99,7 @@ class IndependenceDetection {
     const std::vector<Eigen::VectorXd> stay{task.start};
     return {.path = joint_path(*world_, i, task.anywhere ? stay : task.single_robot_path),
             .lower = world_->direct(i),
+            .graph = every_path,
             .found_by = "each robot alone"};
   }
 
@@ -260,7 +261,8 @@ class IndependenceDetection {
 
   /// xECBS proves no more than that no path is shorter than the straight line.
   std::string graph_of_bound() const {
-    if (std::holds_alternative<XECBS>(problem_.options)) return "every path";
+    if (std::holds_alternative<XECBS>(problem_.options)) return every_path;
+    if (std::holds_alternative<Prioritised>(problem_.options)) return describe_graph(*world_, problem_.options);
     const std::string graphs = each_once(&FoundPath::graph, "; ");
     return graphs.empty() ? describe_graph(*world_, problem_.options) : graphs;
   }

@@ -26,18 +26,25 @@ Eigen::Isometry3d isometry(const pinocchio::SE3& pose) {
   return result;
 }
 
-/// What Pinocchio's forwardKinematics does for one joint.
+/// What Pinocchio's forwardKinematics does for one joint, bit for bit. Poses are written where they stay: a copy would
+/// wait until each of their numbers is stored.
 struct JointPose : pinocchio::fusion::JointUnaryVisitorBase<JointPose> {
   using ArgsType = boost::fusion::vector<const pinocchio::Model&, pinocchio::Data&, const Eigen::VectorXd&>;
 
   template <class JointModel>
-  static void algo(const pinocchio::JointModelBase<JointModel>& joint,
-                   pinocchio::JointDataBase<typename JointModel::JointDataDerived>& own, const pinocchio::Model& model,
-                   pinocchio::Data& data, const Eigen::VectorXd& q) {
+  [[gnu::flatten]] static void algo(const pinocchio::JointModelBase<JointModel>& joint,
+                                    pinocchio::JointDataBase<typename JointModel::JointDataDerived>& own,
+                                    const pinocchio::Model& model, pinocchio::Data& data, const Eigen::VectorXd& q) {
     const auto i = joint.id(), parent = model.parents[i];
     joint.calc(own.derived(), q);
-    data.liMi[i] = model.jointPlacements[i] * own.M();
-    data.oMi[i] = parent > 0 ? data.oMi[parent] * data.liMi[i] : data.liMi[i];
+    const pinocchio::SE3 in_parent = model.jointPlacements[i] * own.M();
+    if (parent == 0) {
+      data.oMi[i] = in_parent;
+      return;
+    }
+    const pinocchio::SE3& carrier = data.oMi[parent];
+    data.oMi[i].rotation().noalias() = carrier.rotation() * in_parent.rotation();
+    data.oMi[i].translation().noalias() = carrier.translation() + carrier.rotation() * in_parent.translation();
   }
 };
 

@@ -12,9 +12,6 @@ namespace {
 
 constexpr double no_velocity_limit = 1e6;  // parsers write huge numbers for "unlimited"
 
-// Limits beyond these no machine has. Computing with them would lose the digits of a double.
-constexpr double min_motion_limit = 1e-6, max_motion_limit = 1e9;
-
 void require_link_speed(const LinkSpeedLimit& limit) {
   const std::string name = limit.link.empty() ? "the end effector" : "link '" + limit.link + "'";
   const auto require = [&](double value, const std::string& what) {

@@ -26,6 +26,7 @@ constexpr double rounding_margin = 1e-9;  // relative: the numbers reported must
 constexpr int attempts = 6;               // to bring cubics with given end speeds within the limits
 constexpr int torque_attempts = 40;       // to slow a motion down until it keeps the torque limits
 constexpr std::size_t parts_per_deadline_check = 16;
+constexpr double far_beyond_reach = 10.0;  // times what a joint can reach: velocity limits above it are lowered to it
 
 /// Without waypoints that are hardly apart from the one before. The ends stay.
 RowMatrix without_tiny_steps(const RowMatrix& path) {
@@ -213,6 +214,20 @@ Knots time_all(const std::vector<SmoothPath>& paths, const MotionLimits& limits,
   return all;
 }
 
+/// The same limits for a motion along the path. A velocity limit that is far above what the joint's acceleration limit
+/// lets it reach there is lowered: nothing is lost, and the solver need not compare numbers of all sizes.
+MotionLimits within_reach(MotionLimits limits, const RowMatrix& path, const TimingOptions& options) {
+  for (Eigen::Index j = 0; j < path.cols(); ++j) {
+    double squared = 0.0;
+    for (Eigen::Index i = 1; i < path.rows(); ++i)
+      squared += 2.0 * limits.acceleration[j] * std::abs(path(i, j) - path(i - 1, j));
+    for (const Eigen::VectorXd* given : {&options.start_velocity, &options.end_velocity})
+      if (given->size()) squared += (*given)[j] * (*given)[j];
+    if (squared > 0.0) limits.velocity[j] = std::min(limits.velocity[j], far_beyond_reach * std::sqrt(squared));
+  }
+  return limits;
+}
+
 void require_options(const TimingOptions& options, Eigen::Index dof) {
   require_positive(options.sample_period, "sample period");
   if (!(options.blend_deviation >= 0.0))
@@ -261,7 +276,8 @@ Trajectory detail::time_parameterize(ConstRows waypoints, const std::vector<std:
   } else {
     TimingOptions rounding = options;
     if (options.method == TimingMethod::ruckig) rounding.blend_deviation = 0.0;
-    knots = time_all(detail::round_corners(path, limits, rounding), limits, options, joint_names, bounds);
+    const MotionLimits reached = within_reach(limits, path, options);
+    knots = time_all(detail::round_corners(path, reached, rounding), reached, options, joint_names, bounds);
     // Rounding of sums must not move the ends.
     knots.positions.front() = waypoints.row(0).transpose();
     knots.positions.back() = waypoints.bottomRows(1).transpose();

@@ -20,6 +20,8 @@ constexpr double min_straight = 8.0, max_straight = 60.0, per_corner = 4.0;  // 
 /// becomes acceleration.
 constexpr double min_interval = 5e-4;  // [s at full speed]
 constexpr int parts_of_short_path = 16;
+/// Full speed is reached well within the first interval: between these fractions of it, or of the segment.
+constexpr double soon_reached = 0.9, least_part = 1e-9;
 
 constexpr double within = 1.0 - 1e-6;  // of the speed that a curve allows: at the limit itself rounding decides
 
@@ -76,8 +78,10 @@ class ScaledPath : public toppra::GeometricPath {
     return scales_.time / scales_.length / std::max(use, 1e-9);
   }
 
-  /// Grid points: evenly on every segment, its ends included.
-  Eigen::VectorXd grid() const {
+  /// Grid points: evenly on every segment, its ends included, and where a straight one is at full speed after a stop at
+  /// its beginning, or brakes for one at its end, if that is within the first or last interval: the path's acceleration
+  /// is constant between grid points.
+  Eigen::VectorXd grid(const MotionLimits& limits) const {
     const double shortest = std::min(min_interval, scales_.length / parts_of_short_path);
     std::vector<double> points{0.0};
     for (std::size_t i = 0; i < path_.size(); ++i) {
@@ -85,12 +89,22 @@ class ScaledPath : public toppra::GeometricPath {
       const double straight = std::clamp(path_[i].length / spacing, min_straight, max_straight);
       const double most = std::max(min_intervals(i), path_[i].length / shortest);
       const int count = static_cast<int>(std::min(path_[i].rounded ? per_corner : straight, most));
-      for (int k = 1; k <= count; ++k) points.push_back(k == count ? end : begins_[i] + (end - begins_[i]) * k / count);
+      const double part = std::max(shortest, length_to_full_speed(path_[i], limits)) / path_[i].length;
+      const bool soon = !path_[i].rounded && part > least_part && part < soon_reached / std::max(count, 2);
+      if (soon) points.push_back(begins_[i] + (end - begins_[i]) * part);
+      for (int k = 1; k < count; ++k) points.push_back(begins_[i] + (end - begins_[i]) * k / count);
+      if (soon) points.push_back(end - (end - begins_[i]) * part);
+      points.push_back(end);
     }
     return Eigen::Map<const Eigen::VectorXd>(points.data(), static_cast<Eigen::Index>(points.size()));
   }
 
  private:
+  /// Of s, after a stop.
+  static double length_to_full_speed(const PathSegment& segment, const MotionLimits& limits) {
+    return 0.5 * (segment.direction.array().abs() / limits.acceleration.array()).maxCoeff();
+  }
+
   /// Motions speed up and brake on straight segments, but for those that are shorter than the corners beside them.
   double min_intervals(std::size_t i) const {
     const double before = i > 0 ? path_[i - 1].length : 0.0, after = i + 1 < path_.size() ? path_[i + 1].length : 0.0;
@@ -216,7 +230,7 @@ Knots time_with_toppra(const SmoothPath& path, const MotionLimits& limits, doubl
   // The library takes the square of the speed at the start, and the speed at the end.
   const double start = std::pow(start_speed * unit, 2), end = end_speed * unit;
   Solver solver({std::make_shared<Limits>(*scaled, speed, links, start, end * end)}, scaled);
-  solver.setGridpoints(scaled->grid());
+  solver.setGridpoints(scaled->grid(limits));
   solver.solver(std::make_shared<InterruptibleSeidel>());
   if ((start > 0.0 || end > 0.0) && !solver.can_start_with(start, end))
     throw Error("too fast for the length of the path");  // checked here: the library would complain on stderr

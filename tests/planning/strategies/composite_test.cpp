@@ -122,8 +122,8 @@ BOOST_AUTO_TEST_CASE(robots_move_one_after_the_other_around_those_that_stand) {
   // The left arm passes the right one, which is straight at its start and bent at its goal: it has to move first.
   FacingArms pair({up, {down}, {up, down}}, {straight, {bent}, {straight, bent}});
   for (const bool backwards : {false, true}) {
-    const srmp::OneByOneResult found =
-        srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {}, {.backwards = backwards}, {});
+    const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {},
+                                                        {.forwards = !backwards, .backwards = backwards}, {});
     BOOST_REQUIRE(found.path.has_value());
     check_path(pair, *found.path, {up, straight}, {down, bent});
     const std::vector<srmp::RowMatrix>& q = found.path->positions;
@@ -136,8 +136,12 @@ BOOST_AUTO_TEST_CASE(robots_that_cannot_pass_at_once_retreat) {
   const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0);
   FacingArms pair({up, {down}, {up, down}}, {straight, {straight}, {straight, Vector2d(0.05, 0.0), straight}});
   for (const bool backwards : {false, true}) {
-    const srmp::OneByOneOptions without{.backwards = backwards, .retreats = 0},
-        with{.attempts_of_all = 16'384, .backwards = backwards, .max_expansions = 4'096, .retreats = 32};
+    const srmp::OneByOneOptions without{.forwards = !backwards, .backwards = backwards, .retreats = 0},
+        with{.attempts_of_all = 16'384,
+             .forwards = !backwards,
+             .backwards = backwards,
+             .max_expansions = 4'096,
+             .retreats = 32};
     BOOST_TEST(!srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {}, without, {}).path.has_value());
     const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {}, with, {});
     BOOST_REQUIRE(found.path.has_value());
@@ -153,7 +157,8 @@ BOOST_AUTO_TEST_CASE(robots_that_turn_round_begin_exactly_at_their_starts) {
   // The right arm does not move, so the left one goes round by pi, though its own path goes by 0.
   FacingArms pair({up, {down}, {up, down}}, {straight, {straight}, {straight}}, "continuous");
   for (const bool backwards : {false, true}) {
-    const srmp::OneByOneOptions options{.attempts = 4'096, .attempts_of_all = 16'384, .backwards = backwards};
+    const srmp::OneByOneOptions options{
+        .attempts = 4'096, .attempts_of_all = 16'384, .forwards = !backwards, .backwards = backwards};
     const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {}, options, {});
     BOOST_REQUIRE(found.path.has_value());
     check_path(pair, *found.path, {up, straight}, {Vector2d(2 * M_PI - 1.2, 0.0), straight});
@@ -169,15 +174,15 @@ BOOST_AUTO_TEST_CASE(robots_move_along_a_known_path_at_the_same_time) {
   const JointPath known = space.path({space.start(), (space.start() + space.targets()[0]) / 2, space.targets()[0]}),
                   elsewhere = space.path({space.start(), space.start() * 0.9});
   for (const bool backwards : {false, true}) {
-    const srmp::OneByOneResult found =
-        srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {&known}, {.backwards = backwards}, {});
+    const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {&known},
+                                                        {.forwards = !backwards, .backwards = backwards}, {});
     BOOST_REQUIRE(found.path.has_value());
     for (const std::size_t robot : both)
       BOOST_TEST((found.path->positions[robot] - known.positions[robot]).norm() < 1e-12);
-    BOOST_TEST(found.attempts == 0u);
+    BOOST_TEST(found.work.attempts == 0u);
   }
   for (const bool backwards : {false, true}) {  // a path to other goals is no use
-    const srmp::OneByOneOptions options{.backwards = backwards};
+    const srmp::OneByOneOptions options{.forwards = !backwards, .backwards = backwards};
     const srmp::OneByOneResult other = srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {&elsewhere},
                                                         options, {}),
                                alone = srmp::one_by_one(*pair.world, both, own_paths(*pair.world), {}, options, {});
@@ -200,10 +205,10 @@ BOOST_AUTO_TEST_CASE(paths_from_their_ends) {
 BOOST_AUTO_TEST_CASE(no_order_of_robots_leads_to_goals_in_collision) {
   FacingArms apart(Vector2d(0.0, 0.0));  // both straight: the robots collide
   for (const bool backwards : {false, true}) {
-    const srmp::OneByOneResult found =
-        srmp::one_by_one(*apart.world, both, own_paths(*apart.world), {}, {.backwards = backwards}, {});
+    const srmp::OneByOneResult found = srmp::one_by_one(*apart.world, both, own_paths(*apart.world), {},
+                                                        {.forwards = !backwards, .backwards = backwards}, {});
     BOOST_TEST(!found.path.has_value());
-    if (backwards) BOOST_TEST(found.attempts == 0u);  // there is no state to begin in
+    if (backwards) BOOST_TEST(found.work.attempts == 0u);  // there is no state to begin in
   }
 }
 

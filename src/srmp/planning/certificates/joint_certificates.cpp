@@ -89,8 +89,14 @@ void attach_certificate(Trajectory& motion, Certificate certificate, const std::
 }
 
 MotionLimits scaled(MotionLimits limits, const CommonOptions& options) {
-  limits.velocity *= options.velocity_scaling;
-  limits.acceleration *= options.acceleration_scaling;
+  const auto scale = [](Eigen::VectorXd& values, const std::string& what, double factor) {
+    values *= factor;
+    if (values.minCoeff() < min_motion_limit && factor < 1.0)
+      throw InvalidArgument(what + "_scaling is " + to_text(factor) + ", which makes a limit of " +
+                            to_text(values.minCoeff()) + "; limits must be " + to_text(min_motion_limit) + " or above");
+  };
+  scale(limits.velocity, "velocity", options.velocity_scaling);
+  scale(limits.acceleration, "acceleration", options.acceleration_scaling);
   limits.jerk *= options.acceleration_scaling;
   return limits;
 }

@@ -72,8 +72,8 @@ std::optional<std::size_t> SearchEndpoints::target_number(const Eigen::VectorXd&
 RowMatrix SearchEndpoints::with_own_ends(const RowMatrix& rows, std::optional<std::size_t> target) const {
   const bool begins = path_start != start, ends = target && path_targets[*target] != targets[*target];
   RowMatrix whole(rows.rows() + begins + ends, rows.cols());
-  if (begins) whole.row(0) = path_start.transpose();
   whole.middleRows(begins, rows.rows()) = rows;
+  whole.row(0) = path_start.transpose();  // a path from the goals may reach the start whole turns away
   if (ends) whole.bottomRows(1) = path_targets[*target].transpose();
   return whole;
 }

@@ -27,7 +27,12 @@ FoundPath GroupPlanner::find(const std::vector<std::size_t>& robots, const std::
   }
   if (portfolio)
     strategies.push_back(std::make_unique<CompositeRoadmapStrategy>(world_, robots, roadmaps_, statistics));
-  if (trees_alone) return attempt_in_rounds(strategies, direct(robots), search::infinity, deadline);
+  const auto with_graph = [&](FoundPath found) {
+    const bool is_of_lattices = found.lower > direct(robots);  // which were searched before
+    if (found.graph == every_path && is_of_lattices) found.graph = describe_graph(world_, options_);
+    return found;
+  };
+  if (trees_alone) return with_graph(attempt_in_rounds(strategies, direct(robots), search::infinity, deadline));
   if (std::holds_alternative<XECBS>(options_))
     strategies.push_back(std::make_unique<ExperienceConflictSearch>(world_, robots, options_, statistics));
   else if (const auto* ecbs = std::get_if<ECBS>(&options_);
@@ -44,7 +49,8 @@ FoundPath GroupPlanner::find(const std::vector<std::size_t>& robots, const std::
     return "no paths within max_group_expansions, " + std::to_string(any->max_group_expansions) + " (" +
            std::to_string(expansions) + " states expanded)";
   };
-  return attempt_in_rounds(strategies, direct(robots), conflict_search_options(options_).bound(), deadline, used_up);
+  const double weight = conflict_search_options(options_).bound();
+  return with_graph(attempt_in_rounds(strategies, direct(robots), weight, deadline, used_up));
 }
 
 /// No paths of these robots are shorter together.

@@ -44,6 +44,7 @@ Attempt accepted(JointPath path, const std::string& found_by) {
   Attempt attempt{.status = Status::solved};
   attempt.found.cost = path.length();
   attempt.found.path = std::move(path);
+  attempt.found.graph = every_path;
   attempt.found.found_by = found_by;
   return attempt;
 }
@@ -63,21 +64,18 @@ Attempt OneByOneStrategy::attempt(const AttemptBudget& budget, const Deadline& d
        {&options.attempts, &options.attempts_of_all, &options.pair_attempts, &options.pair_attempts_of_all,
         &options.known_attempts, &options.known_attempts_of_all})
     *attempts <<= budget.round;
+  options.max_cost = budget.max_cost;
   options.seed = static_cast<std::uint64_t>(budget.round);
   if (!goals_) {
     goals_ = paths_to_free_goals(world_, robots_, deadline);
     statistics_.samples += goals_->attempts;
   }
-  for (const bool backwards : {false, true}) {
-    options.backwards = backwards;
-    OneByOneResult found = one_by_one(world_, robots_, goals_->paths, known_, options, deadline);
-    statistics_.expansions += found.expansions;
-    statistics_.samples += found.attempts;
-    note_memory(statistics_, found.memory);
-    if (found.path && found.path->length() <= budget.max_cost)
-      return accepted(std::move(*found.path), "one robot after the other");
-  }
-  return {};
+  OneByOneResult found = one_by_one(world_, robots_, goals_->paths, known_, options, deadline);
+  statistics_.expansions += found.work.expansions;
+  statistics_.samples += found.work.attempts;
+  note_memory(statistics_, found.work.memory);
+  if (!found.path) return {};
+  return accepted(std::move(*found.path), "one robot after the other");
 }
 
 // --- roadmaps
@@ -201,10 +199,12 @@ Attempt conflict_search_attempt(MultiRobotWorld& world, const std::vector<std::s
   statistics.edge_checks += found.statistics.low.evaluations;
   note_memory(statistics, found.statistics.memory);
   Attempt attempt{.status = found.status};
-  if (found.status == Status::solved)
+  if (found.status == Status::solved) {
     attempt = accepted(joint_path(world, robots, found.paths), found_by);
-  else
+    attempt.found.graph = describe_graph(world, options);
+  } else {
     attempt.reason = no_paths_reason(world, options, found);
+  }
   attempt.lower = found.lower;
   return attempt;
 }

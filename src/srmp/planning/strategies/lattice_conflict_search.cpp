@@ -52,7 +52,6 @@ Attempt LatticeConflictSearch::search(Lattices& lattices, std::uint64_t evaluati
   Attempt attempt = conflict_search_apart(*lattices.world, robots_, options_, options, "conflict-based search",
                                           deadline, statistics_);
   attempt.found.lower = std::exchange(attempt.lower, 0.0);  // of these lattices alone
-  attempt.found.graph = describe_graph(*lattices.world, options_);
   return attempt;
 }
 

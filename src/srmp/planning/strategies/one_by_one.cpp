@@ -53,26 +53,40 @@ class PlacesSearch {
   };
 
   PlacesSearch(MultiRobotWorld& world, const std::vector<std::size_t>& robots, const std::vector<Path>& own_paths,
-               const std::vector<const JointPath*>& known, const OneByOneOptions& options, const Deadline& deadline)
-      : world_(world), robots_(robots), options_(options), deadline_(deadline) {
+               const std::vector<const JointPath*>& known, bool backwards, const OneByOneOptions& options,
+               const Deadline& deadline)
+      : world_(world), robots_(robots), backwards_(backwards), options_(options), deadline_(deadline) {
     for (std::size_t i = 0; i < robots.size(); ++i) {
       Path own = own_paths[i];
       if (own.empty()) continue;
       const bool of_task = own == world.task(robots[i]).single_robot_path;
-      if (options.backwards) std::ranges::reverse(own);
+      if (backwards) std::ranges::reverse(own);
       motions_.push_back(joint_path(world, robots[i], own));
       own_lengths_.push_back(of_task ? world.alone(robots[i]) : motions_.back().length());
       places_.push_back({own.front(), own.back()});
     }
     for (const JointPath* path : known)
-      if (places_.size() == robots.size() && move_together(*path))
-        add_known(options.backwards ? reversed(*path) : *path);
+      if (places_.size() == robots.size() && move_together(*path)) add_known(backwards ? reversed(*path) : *path);
   }
 
-  OneByOneResult run() {
-    result_.path = find();
-    return std::move(result_);
+  /// What may move, and where to: each one takes more work than those before, which the search has gone through.
+  enum class Phase { directly, with_retreats, known_by_trees, in_pairs };
+
+  std::optional<JointPath> find(Phase phase) {
+    if (!has_places()) return std::nullopt;
+    switch (phase) {
+      case Phase::directly: return search_as_known_first();
+      case Phase::with_retreats:
+        for (std::size_t i = 0; i < robots_.size(); ++i) add_retreats(i);
+        goal_weight_ = options_.goal_weight_with_retreats;
+        return search_as_known_first();
+      case Phase::known_by_trees: return search_as_known({.by_trees = true});
+      case Phase::in_pairs: stage_ = {.in_pairs = true}; return robots_.size() > 2 ? search() : std::nullopt;
+    }
+    return std::nullopt;
   }
+  /// Of all phases.
+  const OneByOneWork& work() const { return work_; }
 
   bool is_dominated(const Node& node) const { return closed_.dominates(node.places, node.detour); }
   bool is_valid(search::NodeId id) {
@@ -90,7 +104,7 @@ class PlacesSearch {
   void close(const Node& node) { closed_.close(node.places, node.detour); }
   bool is_goal(const Node& node) const { return left(node.places) == 0; }
   bool may_expand(std::uint64_t expansions) const {
-    return expansions <= options_.max_expansions && result_.attempts - attempts_before_ < attempts_of_all();
+    return expansions <= options_.max_expansions && work_.attempts - attempts_before_ < attempts_of_all();
   }
 
   void expand(search::NodeId id) {
@@ -137,18 +151,13 @@ class PlacesSearch {
     motions_.push_back(path);
   }
 
-  std::optional<JointPath> find() {
-    if (places_.size() < robots_.size()) return std::nullopt;  // a robot has no path of its own
+  /// Has every robot a path of its own, and do these end apart?
+  bool has_places() {
+    if (places_.size() < robots_.size()) return false;
     const State root(robots_.size(), at_start);
     for (std::size_t i = 0; i < robots_.size(); ++i)
-      if (options_.backwards && !is_place_free(i, root)) return std::nullopt;
-    if (auto path = search_as_known_first()) return path;
-    for (std::size_t i = 0; i < robots_.size(); ++i) add_retreats(i);
-    goal_weight_ = options_.goal_weight_with_retreats;
-    if (auto path = search_as_known_first()) return path;
-    if (auto path = search_as_known({.by_trees = true})) return path;
-    stage_ = {.in_pairs = true};
-    return robots_.size() > 2 ? search() : std::nullopt;
+      if (backwards_ && !is_place_free(i, root)) return false;
+    return true;
   }
 
   std::optional<JointPath> search_as_known_first() {
@@ -167,11 +176,11 @@ class PlacesSearch {
   std::optional<JointPath> search() {
     search_.emplace();
     closed_ = {};
-    attempts_before_ = result_.attempts;
+    attempts_before_ = work_.attempts;
     add({State(robots_.size(), at_start), 0.0, not_found}, search::no_node);
     const search::BestFirstResult found = search_->run(*this, deadline_);
-    result_.expansions += found.expansions;
-    result_.memory = std::max(result_.memory, search_->memory() + memory_of(closed_.costs()) + memory_of(motions_));
+    work_.expansions += found.expansions;
+    work_.memory = std::max(work_.memory, search_->memory() + memory_of(closed_.costs()) + memory_of(motions_));
     if (found.status != Status::solved) return std::nullopt;
     return path_to(found.goal);
   }
@@ -381,8 +390,8 @@ class PlacesSearch {
       trees.follow(space.configurations(*known), deadline_);
     }
     const auto rows = trees.grow(attempts, deadline_);
-    result_.attempts += trees.attempts();
-    result_.memory = std::max(result_.memory, trees.memory());
+    work_.attempts += trees.attempts();
+    work_.memory = std::max(work_.memory, trees.memory());
     if (!rows) return std::nullopt;
     const RowMatrix unwrapped = unwrap_waypoints(stack_waypoints(*rows), waypoints_only.continuous);
     return space.path(unstack_waypoints(shortcut(unwrapped, is_free, deadline_, waypoints_only).waypoints));
@@ -403,7 +412,7 @@ class PlacesSearch {
           rows[i].push_back(std::move(q));
         }
     }
-    for (std::size_t i = 0; i < robots_.size() && options_.backwards; ++i) {
+    for (std::size_t i = 0; i < robots_.size() && backwards_; ++i) {
       std::ranges::reverse(rows[i]);
       const Eigen::VectorXd first = rows[i].front();
       for (Eigen::VectorXd& q : rows[i]) {
@@ -416,6 +425,7 @@ class PlacesSearch {
 
   MultiRobotWorld& world_;
   const std::vector<std::size_t>& robots_;
+  const bool backwards_;
   const OneByOneOptions& options_;
   const Deadline& deadline_;
   std::vector<Path> places_;  // by robot
@@ -433,7 +443,7 @@ class PlacesSearch {
   std::optional<search::BestFirstSearch<Node, std::pair<double, std::size_t>>> search_;
   search::ClosedCosts<std::map<State, double>> closed_;
   std::uint64_t attempts_before_{};
-  OneByOneResult result_;
+  OneByOneWork work_;
 };
 
 }  // namespace
@@ -442,7 +452,28 @@ OneByOneResult one_by_one(MultiRobotWorld& world, const std::vector<std::size_t>
                           const std::vector<std::vector<Eigen::VectorXd>>& own_paths,
                           const std::vector<const JointPath*>& known, const OneByOneOptions& options,
                           const Deadline& deadline) {
-  return PlacesSearch(world, robots, own_paths, known, options, deadline).run();
+  std::vector<PlacesSearch> searches;
+  searches.reserve(2);
+  for (const bool backwards : {false, true})
+    if (backwards ? options.backwards : options.forwards)
+      searches.emplace_back(world, robots, own_paths, known, backwards, options, deadline);
+  OneByOneResult result;
+  const auto find = [&](PlacesSearch& search, PlacesSearch::Phase phase) {
+    if (result.path) return;
+    result.path = search.find(phase);
+    if (result.path && result.path->length() > options.max_cost) result.path.reset();
+  };
+  using Phase = PlacesSearch::Phase;
+  for (PlacesSearch& search : searches)
+    for (const Phase phase : {Phase::directly, Phase::with_retreats}) find(search, phase);
+  for (const Phase phase : {Phase::known_by_trees, Phase::in_pairs})
+    for (PlacesSearch& search : searches) find(search, phase);
+  for (const PlacesSearch& search : searches) {
+    result.work.expansions += search.work().expansions;
+    result.work.attempts += search.work().attempts;
+    result.work.memory += search.work().memory;
+  }
+  return result;
 }
 
 }  // namespace srmp

@@ -20,8 +20,10 @@ struct OneByOneOptions {
   std::uint64_t pair_attempts_of_all{1'024};
   std::uint64_t known_attempts{2'048};  ///< the same for robots with a known path that is in conflict
   std::uint64_t known_attempts_of_all{4'096};
+  double max_cost{search::infinity};  ///< of a path
   std::uint64_t seed{};               ///< of the trees
-  bool backwards{};                   ///< from the goals to the starts
+  bool forwards{true};                ///< from the starts to the goals
+  bool backwards{true};               ///< from the goals to the starts
   std::uint64_t max_expansions{256};  ///< of a search
   /// Of a motion around others that is not known yet [rad, prismatic joints m]: more searches for fewer such motions,
   /// and finds orders with longer detours.
@@ -33,10 +35,14 @@ struct OneByOneOptions {
   std::size_t retreat_candidates{64};  ///< of a robot, that are checked: more leave the others more room
 };
 
-struct OneByOneResult {
-  std::optional<JointPath> path;
+struct OneByOneWork {
   std::uint64_t expansions{}, attempts{};
   std::size_t memory{};  ///< [bytes]
+};
+
+struct OneByOneResult {
+  std::optional<JointPath> path;
+  OneByOneWork work;
 };
 
 /// Robots that move one after the other while the others stand: each along its own path where they leave it free, or

@@ -89,7 +89,7 @@ class PathSearch {
 
  private:
   void run_auto(const Auto& options) {
-    best_.bound(direct_, "every path");
+    best_.bound(direct_, every_path);
     FoundPath first = find_first(options);
     if (!best_.take(first, context_.deadline, quick_shortcut) || !improvement(context_.options).requested()) return;
     prepare_search();
@@ -147,7 +147,7 @@ class PathSearch {
   }
 
   void run_rrt_connect() {
-    best_.bound(direct_, "every path");
+    best_.bound(direct_, every_path);
     best_.take(find_by_rrt_connect(), context_.deadline);
   }
 

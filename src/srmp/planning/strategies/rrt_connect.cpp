@@ -49,7 +49,7 @@ Attempt RrtConnectStrategy::attempt(const AttemptBudget& budget, const Deadline&
                   .goal_index = endpoints_.goal_indices[target],
                   .cost = context_.length(unstack_waypoints(whole)),
                   .lower = direct_,
-                  .graph = "every path",
+                  .graph = every_path,
                   .found_by = "RRT-Connect"};
   return result.found.cost <= budget.max_cost ? result : not_found(deadline);
 }

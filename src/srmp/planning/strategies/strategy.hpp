@@ -13,6 +13,9 @@
 
 namespace srmp {
 
+/// FoundPath::graph where its bound is the straight line.
+inline constexpr char every_path[] = "every path";
+
 /// A path from start to goal as a strategy found it, before it is smoothed.
 struct FoundPath {
   JointPath path;
