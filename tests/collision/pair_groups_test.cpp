@@ -47,6 +47,24 @@ Eigen::Vector3d unit_vector(Dice& dice) {
 }
 
 /// No point of a body moves by more than its envelope says, in any direction, and distances are those of the body.
+/// Of the pair, or the group: what its bound loses from here to there.
+void check_bound(detail::SceneWorkspace& here, detail::SceneWorkspace& there, const detail::Pair& pair) {
+  const detail::DistanceBound bound = here.bound(pair);
+  const double now = there.distance_bound(pair);
+  BOOST_TEST(now >= bound.distance - here.approach_of_spheres(pair) - 1e-9);
+  if (bound.distance <= 0.0) return;
+  const Eigen::Vector3d direction = bound.direction();
+  BOOST_TEST(now >= bound.distance - here.approach_of_spheres(pair, 1.0, &direction) - 1e-9);
+}
+
+/// Planes between two solids here keep a gap there.
+void check_gap(detail::SceneWorkspace& here, detail::SceneWorkspace& there, const detail::Pair& pair) {
+  if (!pair.solid) return;
+  const detail::Separation planes = here.separate(pair, 10.0);
+  const double gap = here.free_gap(pair, planes);
+  if (gap > 0.0) BOOST_TEST(there.distance(pair, 10.0, 0.0) - pair.padding >= gap - 1e-6);
+}
+
 void check_bounds_in_envelopes(const Scene& scene, const std::vector<std::string>& robots, unsigned seed) {
   const detail::RobotGroup group(scene, robots);
   const detail::SceneModel model(scene, group, {.mode = CheckMode::coal});
@@ -74,13 +92,20 @@ void check_bounds_in_envelopes(const Scene& scene, const std::vector<std::string
         to[static_cast<Eigen::Index>(j)] += along * linear[j] + dice.in(-1, 1) * rest[j];
       there.place(to);
       for (std::size_t body = 0; body < model.bodies.moving.size(); ++body) {
-        const detail::MovingBody& moving = model.bodies.moving[body];
-        const Eigen::Vector3d point = moving.bounds.center + moving.bounds.radius * unit_vector(dice),
+        const std::uint64_t support = model.bodies.moving[body].support;
+        const Eigen::Vector3d moved = there.placed(false, body).center - here.placed(false, body).center,
                               direction = unit_vector(dice);
-        const Eigen::Vector3d moved = there.placed(false, body).pose * point - here.placed(false, body).pose * point;
-        BOOST_TEST(moved.norm() <= here.displacement_in_envelope(body, moving.support) + 1e-9);
-        BOOST_TEST(std::abs(moved.dot(direction)) <=
-                   here.displacement_in_envelope(body, moving.support, &direction) + 1e-9);
+        const double along = std::abs(moved.dot(direction));
+        BOOST_TEST(moved.norm() <= here.displacement_in_envelope(body, support) + 1e-9);
+        BOOST_TEST(along <= here.displacement_in_envelope(body, support, &direction) + 1e-9);
+        BOOST_TEST(moved.norm() <= here.displacement_of_sphere(body, support) + 1e-9);
+        BOOST_TEST(along <= here.displacement_of_sphere(body, support, 1.0, &direction) + 1e-9);
+      }
+      for (std::size_t i = 0; i < model.pair_groups().size(); ++i)
+        check_bound(here, there, model.pair_groups().pair_of(model.pair_groups().number(i)));
+      for (const detail::Pair& pair : model.bodies.pairs) {
+        check_bound(here, there, pair);
+        check_gap(here, there, pair);
       }
     }
   }

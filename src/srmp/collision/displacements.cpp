@@ -8,10 +8,15 @@ namespace srmp::detail {
 
 namespace {
 
-/// How far a sphere moves, along the direction if there is one, whose centre has this velocity.
+/// How far a point with this velocity moves, along the direction if there is one.
+double linear_of_point(const Eigen::Vector3d& velocity, const Eigen::Vector3d* direction) {
+  return direction ? std::abs(velocity.dot(*direction)) : velocity.norm();
+}
+
+/// The same of all points within the radius of it.
 double linear_of_sphere(const Eigen::Vector3d& velocity, const Eigen::Vector3d& turn, double radius,
                         const Eigen::Vector3d* direction) {
-  const double of_center = direction ? std::abs(velocity.dot(*direction)) : velocity.norm();
+  const double of_center = linear_of_point(velocity, direction);
   if (!(radius > 0.0)) return of_center;
   return of_center + radius * (direction ? turn.cross(*direction).norm() : turn.norm());
 }
@@ -78,8 +83,9 @@ const Displacements::Arm& Displacements::arm(std::size_t body, const Place& plac
   const Core& core = model_.bodies.moving_body(body).core;
   const Eigen::Vector3d center = place.center - point;
   arm.across = axis.cross(center);
+  arm.center_reach = arm.across.norm();
   if (core.half.isZero(0.0)) {
-    arm.reach = arm.across.norm() + core.radius;
+    arm.reach = arm.center_reach + core.radius;
   } else {
     const Eigen::Vector3d half = place.pose.linear() * core.half;
     const auto from_axis = [&](const Eigen::Vector3d& end) { return end.cross(axis).norm(); };
@@ -95,13 +101,17 @@ void Displacements::add_joint(std::size_t joint, const Arm* arm, double half_wid
   const Eigen::Vector3d& axis = axes_[joint].second;
   if (!arm) {
     step.velocity += linear * axis;
+    step.center_rest += rest_[joint];
     step.rest += rest_[joint];
+    step.center_sweep.moved += change;
     step.sweep.moved += change;
     return;
   }
   step.velocity += linear * arm->across;
   step.turn += linear * axis;
+  step.center_rest += rest_[joint] * arm->center_reach;
   step.rest += rest_[joint] * arm->reach;
+  step.center_sweep.add_turn(change, arm->center_reach);
   step.sweep.add_turn(change, arm->reach);
 }
 
@@ -157,13 +167,29 @@ double Displacements::of(std::size_t body, const Place& place, std::uint64_t sup
   return last.sweep.bound(linear + last.rest);
 }
 
-double Displacements::of_sphere(std::size_t body, const Place& place, std::uint64_t support,
-                                const Eigen::Vector3d& offset, double radius, const Eigen::Vector3d* direction) {
+DirectedMotion Displacements::along(std::size_t body, const Place& place, std::uint64_t support, double half_width,
+                                    const Eigen::Vector3d& direction) {
+  support &= active_;
+  if (support == 0) return {};
+  const Step& last = sum(body, place, support, half_width);
+  const Eigen::Vector3d slope = direction.cross(last.turn);
+  return {last.velocity.dot(direction) - slope.dot(place.center), slope, last.rest + last.sweep.bent / 2.0};
+}
+
+double Displacements::of_center(std::size_t body, const Place& place, std::uint64_t support, double half_width,
+                                const Eigen::Vector3d* direction) {
+  support &= active_;
+  if (support == 0) return 0.0;
+  const Step& last = sum(body, place, support, half_width);
+  return last.center_sweep.bound(linear_of_point(last.velocity, direction) + last.center_rest);
+}
+
+double Displacements::of_point(std::size_t body, const Place& place, std::uint64_t support,
+                               const Eigen::Vector3d& offset, const Eigen::Vector3d* direction) {
   support &= active_;
   if (support == 0) return 0.0;
   const Step& last = sum(body, place, support, 1.0);
-  return last.sweep.bound(linear_of_sphere(last.velocity + last.turn.cross(offset), last.turn, radius, direction) +
-                          last.rest);
+  return last.sweep.bound(linear_of_point(last.velocity + last.turn.cross(offset), direction) + last.rest);
 }
 
 /// The motion along a direction is a convex function of the point, so the corners bound it.

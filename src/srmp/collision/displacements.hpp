@@ -40,26 +40,34 @@ class Displacements {
   /// `half_width` of the motion; with a unit vector, along it.
   double of(std::size_t body, const Place& place, std::uint64_t support, double half_width,
             const Eigen::Vector3d* direction);
+  /// The same of the centre of the body's bounding sphere, and so of that sphere, which turning does not move.
+  double of_center(std::size_t body, const Place& place, std::uint64_t support, double half_width,
+                   const Eigen::Vector3d* direction);
   /// The same of a part of the body along a unit vector: of the convex hull of these points, which are where `place`
   /// has them.
   double of(std::size_t body, const Place& place, std::uint64_t support, double half_width,
             const Eigen::Vector3d& direction, std::span<const Eigen::Vector3d> part);
-  /// The same of what is both in the body and in a sphere `offset` away from its centre, over all of the motion.
-  double of_sphere(std::size_t body, const Place& place, std::uint64_t support, const Eigen::Vector3d& offset,
-                   double radius, const Eigen::Vector3d* direction);
+  /// The same of a point in the body's bounding sphere, `offset` away from its centre, over all of the motion.
+  double of_point(std::size_t body, const Place& place, std::uint64_t support, const Eigen::Vector3d& offset,
+                  const Eigen::Vector3d* direction);
+
+  /// How points of the body's core move along a unit vector.
+  DirectedMotion along(std::size_t body, const Place& place, std::uint64_t support, double half_width,
+                       const Eigen::Vector3d& direction);
 
  private:
   /// Of a joint and a body, here.
   struct Arm {
     Eigen::Vector3d across;  // the axis times the vector from it to the centre of the body
+    double center_reach{};   // how far the centre is from the axis
     double reach{};          // the farthest that a point of the body's core may be from the axis
   };
   /// What a joint and the deeper ones of its chain add up to.
   struct Step {
     std::uint64_t support{};                                              // these joints
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), turn = velocity;  // of the centre, over half of the motion
-    double rest{};
-    Sweep sweep;
+    double center_rest{}, rest{};
+    Sweep center_sweep, sweep;  // of the centre; of all of the body
   };
   /// The steps of a body's chain that are known.
   struct Chain {

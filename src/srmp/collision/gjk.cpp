@@ -44,4 +44,13 @@ double Gjk::gap_across(const Eigen::Vector3d& direction) const {
   return std::max(0.0, direction.dot(a - b) / length - difference.swept_sphere_radius.sum());
 }
 
+/// The radii that solids are swept by move, but do not turn.
+double Gjk::gap_along(const Eigen::Vector3d& of_a, const Eigen::Vector3d& of_b) const {
+  coal::support_func_guess_t vertices = search.support_hint;
+  Eigen::Vector3d a, b, other;
+  difference.support(-of_a, a, other, vertices);
+  difference.support(-of_b, other, b, vertices);
+  return of_a.dot(a) - of_b.dot(b) - difference.swept_sphere_radius.sum();
+}
+
 }  // namespace srmp::detail

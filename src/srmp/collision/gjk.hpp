@@ -33,6 +33,9 @@ struct Gjk {
              const coal::support_func_guess_t& hint = coal::support_func_guess_t::Zero());
   /// The distance of two planes across the direction that separate the solids; 0 where it separates none.
   double gap_across(const Eigen::Vector3d& direction) const;
+  /// The least product of a point of the first solid with a direction, less the largest of one of the second with
+  /// another; in the frame of the first.
+  double gap_along(const Eigen::Vector3d& of_a, const Eigen::Vector3d& of_b) const;
 };
 
 }  // namespace srmp::detail

@@ -33,10 +33,11 @@ constexpr double finest_motion = Checker::motion_floor / 4.0;  // [m]; shorter i
 constexpr int max_levels = 3;                                  // of halving at once
 /// A group that moves by less than this multiple of the room between its envelopes is halved; others are taken apart.
 constexpr double longest_group_motion = 3.0;
-constexpr int max_samples = 200'000;     // configurations: the proof of an endless motion ends too
-constexpr int max_sharpening = 256;      // checks of each pass that raises the proved clearance
-constexpr unsigned visits_per_look = 8;  // of intervals, between two looks at the clock
-constexpr double largest = 1e100;        // [rad or m] beyond it, squares overflow
+constexpr double likely_looseness = 0.1;  // of what two envelopes measure across
+constexpr int max_samples = 200'000;      // configurations: the proof of an endless motion ends too
+constexpr int max_sharpening = 256;       // checks of each pass that raises the proved clearance
+constexpr unsigned visits_per_look = 8;   // of intervals, between two looks at the clock
+constexpr double largest = 1e100;         // [rad or m] beyond it, squares overflow
 
 /// Branch and bound over the time of one motion: first until the motion is proved free, by the clearance that is to be
 /// known where that takes few more checks; then, where least is proved, until it is known well enough.
@@ -51,7 +52,8 @@ class Prover {
         fraction_(1.0 - options.gap_tolerance),
         deadline_(options.deadline),
         range_(motion.positions.cols()) {
-    displacements_.resize(model.bodies.moving.size() + model.bodies.envelopes.size());
+    displacements_.resize(model.bodies.moving.size());
+    of_spheres_.resize(model.bodies.moving.size() + model.bodies.envelopes.size());
     in_envelopes_.resize(model.bodies.moving.size());
     open_.reserve(4 * groups_.size());
   }
@@ -108,7 +110,7 @@ class Prover {
   void close(const Open& open, const Interval& interval, bool measured);
   bool sharpen();
   double bound_left(const Pair& pair, double motion, const DistanceBound& bound, double required);
-  Check check(const Pair& pair, double motion, double required);
+  Check check(const Pair& pair, double of_spheres, double required);
   Check measure(const Pair& pair, double motion, double required);
   static int levels_for(double room, double motion) {
     int levels = 0;
@@ -119,6 +121,8 @@ class Prover {
   template <class Compute>
   double remembered(Displacement& known, std::uint64_t support, Compute&& compute);
   double displacement(std::uint32_t body, std::uint64_t support);
+  double approach_of_spheres(const Pair& pair);
+  double displacement_of_sphere(std::uint32_t body, std::uint64_t support);
   double displacement_in_envelope(std::uint32_t body, std::uint64_t support);
   Separation& separation_of(const Pair& pair) {
     if (separations_.empty()) separations_.resize(model_.bodies.pairs.size());
@@ -152,7 +156,8 @@ class Prover {
   unsigned checks_{};  // that bounds did not decide, since the last look at the clock
   int raising_{};      // of pairs that were proved free, but less than the goal
   CubicSegments::Range range_;
-  std::vector<Displacement> displacements_;  // by moving body and envelope, in an interval
+  std::vector<Displacement> displacements_;  // by moving body, in an interval
+  std::vector<Displacement> of_spheres_;     // of bounding spheres, by moving body and envelope
   std::vector<Displacement> in_envelopes_;   // the same of moving bodies, from those of their envelopes
   std::vector<Separation> separations_;      // by pair; empty until one is needed
   std::vector<Open> open_;                   // a stack: those of the current interval on top
@@ -233,6 +238,12 @@ double Prover::approach(const Pair& pair) {
   return pair.b_fixed ? motion : motion + displacement(pair.b, pair.support_b);
 }
 
+/// How far the bounding spheres of the pair, or of a group, can.
+double Prover::approach_of_spheres(const Pair& pair) {
+  const double motion = displacement_of_sphere(pair.a, pair.support_a);
+  return pair.b_fixed ? motion : motion + displacement_of_sphere(pair.b, pair.support_b);
+}
+
 /// What is known at this sample for these joints, which are often those of the pair before, or what `compute` finds.
 template <class Compute>
 double Prover::remembered(Displacement& known, std::uint64_t support, Compute&& compute) {
@@ -243,6 +254,10 @@ double Prover::remembered(Displacement& known, std::uint64_t support, Compute&& 
 /// How far the joints of `support` can move the body.
 double Prover::displacement(std::uint32_t body, std::uint64_t support) {
   return remembered(displacements_[body], support, [&] { return workspace_.displacement(body, support); });
+}
+
+double Prover::displacement_of_sphere(std::uint32_t body, std::uint64_t support) {
+  return remembered(of_spheres_[body], support, [&] { return workspace_.displacement_of_sphere(body, support); });
 }
 
 /// The same from how its envelope moves.
@@ -262,16 +277,17 @@ double Prover::bound_left(const Pair& pair, double motion, const DistanceBound& 
   const double apart = bound.distance - pair.padding - NarrowPhase::tolerance;
   if (apart - motion > required || apart <= required) return apart - motion;
   const Eigen::Vector3d direction = bound.direction();
-  return apart - workspace_.approach(pair, 1.0, &direction);
+  return apart - workspace_.approach_of_spheres(pair, 1.0, &direction);
 }
 
 /// Checks a pair over the interval around the current configuration. A clearance of `required` will do, though
 /// distances are computed as far as the goal.
-Prover::Check Prover::check(const Pair& pair, double motion, double required) {
+Prover::Check Prover::check(const Pair& pair, double of_spheres, double required) {
   const DistanceBound bounds = workspace_.bound(pair);
-  const double bound = bounds.distance, left = bound_left(pair, motion, bounds, required);
+  const double bound = bounds.distance, left = bound_left(pair, of_spheres, bounds, required);
   if (left > required) return {CollisionStatus::free, left, false};
   if (seldom_stopped(pair)) return {CollisionStatus::undecided, 0.0, false};
+  const double motion = approach(pair);
   if (motion < Checker::motion_floor || motion <= workspace_.likely_max_distance(pair, bound))
     return measure(pair, motion, required);
   // No distance could prove it.
@@ -339,7 +355,7 @@ void Prover::close(const Open& open, const Interval& interval, bool measured) {
 bool Prover::prove_group(const Open& open, const Interval& interval) {
   const Pair& around = groups_.pair_of(open.pair);
   const DistanceBound bound = workspace_.bound(around);
-  const double motion = approach(around), left = bound_left(around, motion, bound, goal());
+  const double motion = approach_of_spheres(around), left = bound_left(around, motion, bound, goal());
   if (left > goal()) {
     note_proved({left, interval, open.pair, false});
     return true;
@@ -347,7 +363,8 @@ bool Prover::prove_group(const Open& open, const Interval& interval) {
   // Members are rarely farther apart than the envelopes by more than `looseness`: over longer motions they are not
   // tried.
   const double room = bound.distance - around.padding - NarrowPhase::tolerance - goal(),
-               looseness = workspace_.likely_max_distance(around, 0.0) / 2.0, longest = std::max(room, 0.0) + looseness;
+               looseness = likely_looseness * workspace_.likely_max_distance(around, 0.0),
+               longest = std::max(room, 0.0) + looseness;
   const bool is_halved = motion > longest || motion < longest_group_motion * room;
   if (is_halved && motion >= finest_motion && !interval.is_indivisible()) {
     open_.push_back({open.pair, levels_for(longest, motion)});
@@ -381,18 +398,19 @@ bool Prover::prove_member(std::uint32_t member, const Interval& interval) {
 /// checks. Distances of meshes take long, so those come later, the nearest first.
 bool Prover::prove_pair(Open open, const Interval& interval) {
   const Pair& pair = model_.bodies.pairs[open.pair];
-  const double motion = approach(pair);
-  const bool raises = pair.solid && raising_ < max_sharpening && motion >= Checker::motion_floor;
-  const Check found = check(pair, motion, raises ? goal() : 0.0);
+  const double of_spheres = approach_of_spheres(pair);
+  const bool raises = pair.solid && raising_ < max_sharpening && of_spheres >= Checker::motion_floor;
+  const Check found = check(pair, of_spheres, raises ? goal() : 0.0);
   if (found.status == CollisionStatus::colliding) return false;
   const bool free = found.status == CollisionStatus::free;
   if (free) open.bound = std::max(open.bound, found.bound);
+  raising_ += open.bound >= 0.0 && open.bound < goal();
   const bool proved = open.bound >= 0.0 && (open.bound >= goal() || !raises);
+  const double motion = proved ? 0.0 : approach(pair);
   if (proved || motion < finest_motion || interval.is_indivisible())
     close(open, interval, found.measured);
   else
     open_.push_back({open.pair, levels_for(free ? open.bound + motion - goal() : found.room, motion), open.bound});
-  raising_ += open.bound >= 0.0 && open.bound < goal();
   return true;
 }
 
@@ -442,11 +460,10 @@ bool Prover::sharpen() {
     ++distances;
     place_at(least.interval);
     const Pair& pair = model_.bodies.pairs[least.pair];
-    const double motion = approach(pair);
-    const Check found = check(pair, motion, goal());
+    const Check found = check(pair, approach_of_spheres(pair), goal());
     if (found.status == CollisionStatus::colliding) return false;
     note_proved({std::max(least.bound, found.bound), least.interval, least.pair, true});
-    if (motion < Checker::motion_floor) break;
+    if (approach(pair) < Checker::motion_floor) break;
   }
   if (!to_sharpen_.empty()) proved_ = std::min(proved_, to_sharpen_.front().bound);
   return true;

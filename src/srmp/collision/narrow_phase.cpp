@@ -162,6 +162,22 @@ double NarrowPhase::solids(int formula, const Placed& a, const Placed& b, double
   return found;
 }
 
+/// What planes lose is concave in s, so the ends of its range bound it.
+double NarrowPhase::gap_in_motion(const Placed& a, const Placed& b, const Eigen::Vector3d& direction,
+                                  const DirectedMotion& of_a, const DirectedMotion& of_b) {
+  Gjk& gjk = impl_->gjk;
+  gjk.difference.set(static_cast<const coal::ShapeBase*>(a.geometry), static_cast<const coal::ShapeBase*>(b.geometry),
+                     coal_transform(a.pose), coal_transform(b.pose));
+  const Eigen::Matrix3d to_a = a.pose.linear().transpose();
+  const Eigen::Vector3d across = to_a * direction, slope_a = to_a * of_a.slope, slope_b = to_a * of_b.slope;
+  const double shift =
+      of_a.shift - of_b.shift + (of_a.slope - of_b.slope).dot(a.pose.translation());  // of the origin of a's frame
+  double gap = infinity;
+  for (const double s : {-1.0, 1.0})
+    gap = std::min(gap, gjk.gap_along(across + s * slope_a, across + s * slope_b) + s * shift);
+  return gap - of_a.rest - of_b.rest;
+}
+
 double NarrowPhase::Impl::by_formula(int formula, const Placed& a, const Placed& b, double margin) {
   gjk.count_step();
   const Functor& functor = *formulas[static_cast<std::size_t>(formula)];

@@ -20,6 +20,8 @@ Bounds bounds_of(const coal::CollisionGeometry& geometry);
 struct Core {
   Eigen::Vector3d half;  ///< of the segment, in the geometry's frame
   double radius{};
+
+  bool is_point() const { return radius == 0.0 && half.isZero(0.0); }
 };
 Core core_of(const coal::CollisionGeometry& geometry, const Bounds& bounds);
 
@@ -38,6 +40,14 @@ struct Separation {
   Eigen::Vector3d direction{Eigen::Vector3d::Zero()};  ///< from b to a, in the frame of a; 0: none
   std::array<int, 2> vertices{};                       ///< of the two, where the last search ended
   double gap{};                                        ///< [m] between the planes, across the direction; 0: not known
+};
+
+/// How the points of a body move along a direction: p by s * (shift + slope . p), for an s from -1 to 1, and by `rest`
+/// at most besides. In the frame of the poses' parent.
+struct DirectedMotion {
+  double shift{};
+  Eigen::Vector3d slope{Eigen::Vector3d::Zero()};
+  double rest{};
 };
 
 /// The kinds of solids for whose distance Coal has a formula, so that it does not use GJK.
@@ -69,6 +79,10 @@ class NarrowPhase {
   double solids(int formula, const Placed& a, const Placed& b, double margin, Separation* separation = nullptr);
   /// The same for two geometries of which at least one has a BVH: branch and bound over the primitives.
   double primitives(const Placed& a, const Placed& b, const PrimitiveQuery& query);
+  /// The distance [m] that planes across the direction, a unit vector from b to a, keep between two convex solids while
+  /// these move, s being the same for both. Negative where they do not separate the two all the time.
+  double gap_in_motion(const Placed& a, const Placed& b, const Eigen::Vector3d& direction, const DirectedMotion& of_a,
+                       const DirectedMotion& of_b);
 
   /// From now on the queries above call `poll` every some microseconds, whichever query it is then; what it throws
   /// ends that one.

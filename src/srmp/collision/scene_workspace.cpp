@@ -143,10 +143,15 @@ double SceneWorkspace::query_distance(const Pair& pair, const Placed& a, const P
   return narrow_.primitives(a, b, {.margin = margin, .enough = enough});
 }
 
+std::pair<Placed, Placed> SceneWorkspace::solids_of(const Pair& pair) {
+  const Placed a = placed(false, pair.a), b = placed(pair.b_fixed, pair.b);
+  return {Placed{bodies_.moving[pair.a].solid, nullptr, a.bounds, a.pose, a.center},
+          Placed{body_b(pair).solid, nullptr, b.bounds, b.pose, b.center}};
+}
+
 double SceneWorkspace::hull_distance(const Pair& pair, double margin, double suffices, Separation* separation) {
   const Placed a = placed(false, pair.a), b = placed(pair.b_fixed, pair.b);
-  const Placed solid_a{bodies_.moving[pair.a].solid, nullptr, a.bounds, a.pose, a.center};
-  const Placed solid_b{body_b(pair).solid, nullptr, b.bounds, b.pose, b.center};
+  const auto [solid_a, solid_b] = solids_of(pair);
   double found = 0.0;
   if (solid_a.geometry && solid_b.geometry)
     found = query_distance(pair, solid_a, solid_b, margin, suffices, separation);
@@ -239,8 +244,7 @@ double SceneWorkspace::displacement(std::size_t body, std::uint64_t support, dou
 double SceneWorkspace::displacement_in_envelope(std::size_t body, std::uint64_t support,
                                                 const Eigen::Vector3d* direction) {
   const std::uint32_t envelope = bodies_.envelope_of[body];
-  return displacements_.of_sphere(envelope, place_of(envelope), support, carried(body).offset,
-                                  bodies_.moving[body].bounds.radius, direction);
+  return displacements_.of_point(envelope, place_of(envelope), support, carried(body).offset, direction);
 }
 
 double SceneWorkspace::approach(const Pair& pair, double half_width, const Eigen::Vector3d* direction) {
@@ -250,10 +254,31 @@ double SceneWorkspace::approach(const Pair& pair, double half_width, const Eigen
              : motion;
 }
 
+double SceneWorkspace::displacement_of_sphere(std::size_t body, std::uint64_t support, double half_width,
+                                              const Eigen::Vector3d* direction) {
+  return displacements_.of_center(body, place_of(body), support, half_width, direction);
+}
+
+double SceneWorkspace::approach_of_spheres(const Pair& pair, double half_width, const Eigen::Vector3d* direction) {
+  const double motion = displacement_of_sphere(pair.a, pair.support_a, half_width, direction);
+  if (pair.b_fixed) return motion;
+  return motion + displacement_of_sphere(pair.b, pair.support_b, half_width, direction);
+}
+
 double SceneWorkspace::free_gap(const Pair& pair, const Separation& separation, double half_width) {
   if (!(separation.gap > 0.0)) return -infinity;
   const Eigen::Vector3d direction = place_of(pair.a).pose.linear() * separation.direction.normalized();
-  return separation.gap - approach(pair, half_width, &direction) - pair.padding - NarrowPhase::tolerance;
+  const double needed = pair.padding + NarrowPhase::tolerance,
+               left = separation.gap - approach(pair, half_width, &direction) - needed;
+  const bool are_points =
+      bodies_.moving[pair.a].core.is_point() && (pair.b_fixed || bodies_.moving[pair.b].core.is_point());
+  if (left > reserve_ || are_points) return left;
+  // Not all points of a body come nearer, and most that do so fastest are far from the planes.
+  const auto [solid_a, solid_b] = solids_of(pair);
+  const DirectedMotion of_a = displacements_.along(pair.a, place_of(pair.a), pair.support_a, half_width, direction);
+  DirectedMotion of_b;
+  if (!pair.b_fixed) of_b = displacements_.along(pair.b, place_of(pair.b), pair.support_b, half_width, direction);
+  return std::max(left, narrow_.gap_in_motion(solid_a, solid_b, direction, of_a, of_b) - needed);
 }
 
 /// Checks the pair over an interval around here. Below motion_floor, what is not proved free counts as colliding if the
@@ -262,24 +287,28 @@ CollisionStatus SceneWorkspace::check_pair(const Interval& interval, Undecided& 
   const Pair& pair = bodies_.pairs[interval.pair];
   const double motion = approach(pair, interval.half_width);
   const double margin = pair.padding + motion + NarrowPhase::tolerance + reserve_;
-  const double bound = distance_bound(pair);
+  const double bound = distance_bound(pair), of_spheres = approach_of_spheres(pair, interval.half_width);
   const bool at_floor = motion < Checker::motion_floor;
   undecided = {at_floor ? 0 : 2, bound, interval.candidates};
   int& parts = undecided.parts;
-  if (bound > margin) return CollisionStatus::free;
+  if (bound > margin - motion + of_spheres) return CollisionStatus::free;
   const CollisionStatus unproved =
       at_floor && reserve_ == 0.0 ? CollisionStatus::colliding : CollisionStatus::undecided;
   if (motion > likely_max_distance(pair, bound)) {  // no distance could prove it
     if (bound > pair.padding) return unproved;
     return in_contact(pair) ? CollisionStatus::colliding : unproved;
   }
+  Separation separation;  // of the two, or of hulls around them; none is known yet
+  const auto proves_parts = [&](double distance) {
+    return motion <= parts * (distance - pair.padding) ||
+           free_gap(pair, separation, interval.half_width / parts) > reserve_;
+  };
   const auto subdivide_for = [&](double distance) {
     undecided.distance = distance;
-    while (parts > 0 && parts < max_parts && motion > parts * (distance - pair.padding)) parts *= 2;
+    while (parts > 0 && parts < max_parts && !proves_parts(distance)) parts *= 2;
     return unproved;
   };
   if (!pair.solid && interval.candidates.count == 0) {
-    Separation separation;
     const double limit = margin + NarrowPhase::tolerance;
     const double found = hull_distance(pair, limit, limit - 0.9 * motion, &separation);
     if (found == infinity || free_gap(pair, separation, interval.half_width) > reserve_) return CollisionStatus::free;
@@ -298,8 +327,8 @@ CollisionStatus SceneWorkspace::check_pair(const Interval& interval, Undecided& 
     parts = 0;
     return unproved;
   }
-  if (pair.solid && free_gap(pair, separate(pair, margin), interval.half_width) > reserve_)
-    return CollisionStatus::free;
+  if (pair.solid) separation = separate(pair, margin);
+  if (pair.solid && free_gap(pair, separation, interval.half_width) > reserve_) return CollisionStatus::free;
   return subdivide_for(found);
 }
 
@@ -378,7 +407,7 @@ void SceneWorkspace::subdivide(const Interval& whole, const Undecided& undecided
 bool SceneWorkspace::process_whole_motion_of(std::size_t body) {
   constexpr double half_width = 0.5;
   if (bodies_.moving[body].support & displacements_.active())
-    return for_each_fixed_near(body, displacement(body, bodies_.moving[body].support, half_width),
+    return for_each_fixed_near(body, displacement_of_sphere(body, bodies_.moving[body].support, half_width),
                                [&](std::uint32_t pair) { return process({0.5, half_width, pair}); });
   if (start_is_free_) return true;
   return for_each_fixed_near(body, 0.0, [&](std::uint32_t pair) { return !in_contact(bodies_.pairs[pair]); });

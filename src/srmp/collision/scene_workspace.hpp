@@ -84,8 +84,12 @@ class SceneWorkspace final : public Checker::Workspace {
   /// By how much the two bodies of the pair can approach each other within `half_width` of the motion around here; with
   /// a unit vector, along it.
   double approach(const Pair& pair, double half_width = 1.0, const Eigen::Vector3d* direction = nullptr);
-  // The two bounds for bodies of envelopes, from where those are and how they move: looser, and in a fraction of the
-  // time.
+  /// The same of the bounding spheres of the two, and so how much their bound() can lose.
+  double approach_of_spheres(const Pair& pair, double half_width = 1.0, const Eigen::Vector3d* direction = nullptr);
+  double displacement_of_sphere(std::size_t body, std::uint64_t support, double half_width = 1.0,
+                                const Eigen::Vector3d* direction = nullptr);
+  // The same two for the bounding spheres of bodies of envelopes, from where those are and how they move: looser, and
+  // in a fraction of the time.
   DistanceBound bound_in_envelopes(const Pair& pair);
   double displacement_in_envelope(std::size_t body, std::uint64_t support, const Eigen::Vector3d* direction = nullptr);
   /// The clearance that the pair keeps within `half_width` of the motion around here, by planes that separate the two;
@@ -136,6 +140,8 @@ class SceneWorkspace final : public Checker::Workspace {
   const Place& place_of(std::size_t body);
   const Carried& carried(std::size_t body);
   DistanceBound bound(const Pair& pair, const Eigen::Vector3d& center, const Eigen::Vector3d& center_b) const;
+  /// The pair's solids, or convex solids around the two where there are.
+  std::pair<Placed, Placed> solids_of(const Pair& pair);
   double query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough,
                         Separation* separation = nullptr);
   void place_with_axes(ConstVector q);
