@@ -74,7 +74,8 @@ NumpyArray to_numpy_rows(RowMatrix rows);
 
 OptionMap to_option_map(nb::handle dictionary);
 nb::dict to_dict(const OptionMap& map);
-/// The type of a goal in any form, and of several, as signatures have it.
+/// The type of a goal in any form, and of several, as signatures have it. (Of a list of several forms, type checkers
+/// see a list of objects.)
 #define SRMP_GOAL                                                                           \
   "GoalConstraint | Pose | numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | " \
   "collections.abc.Mapping[str, Pose] | str"
@@ -85,7 +86,7 @@ nb::dict to_dict(const OptionMap& map);
 #define SRMP_CARTESIAN_SIG                                                                     \
   "link: str = '', max_deviation: float = 0.001, max_rotation: float = 0.008726646259971648, " \
   "constraints: collections.abc.Sequence[PathConstraint] = ()"
-#define SRMP_GOALS SRMP_GOAL " | collections.abc.Sequence[GoalConstraint | Pose | str]"
+#define SRMP_GOALS SRMP_GOAL " | collections.abc.Sequence[object]"
 
 /// A goal in any form, or several; `what` names it in messages.
 std::vector<Goal> to_goals(nb::handle goal, const std::string& what = "a goal");

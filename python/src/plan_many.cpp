@@ -124,7 +124,7 @@ void bind_plan_request(nb::module_& m) {
           nb::arg("start_acceleration") = nb::none(),
           nb::sig("def __init__(self, robot: str, start: numpy.typing.ArrayLike, "
                   "goals: GoalConstraint | Pose | numpy.typing.ArrayLike | "
-                  "collections.abc.Sequence[GoalConstraint | Pose], "
+                  "collections.abc.Sequence[GoalConstraint | Pose | numpy.typing.ArrayLike], "
                   "options: dict | object | None = None, "
                   "constraints: collections.abc.Sequence[PathConstraint] = (), "
                   "start_velocity: numpy.typing.ArrayLike | None = None, "

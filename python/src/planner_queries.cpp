@@ -28,7 +28,10 @@ void bind_queries(PlannerClass& cls) {
           [](Self& self, const std::string& name) {
             return self.use([&](auto& p) { return p.robot(name).end_effector(); });
           },
-          nb::arg("name"), "Name of the end effector, the link that goals refer to.")
+          nb::arg("name"),
+          "Name of the end effector, the link that goals refer to; where none was given and several links are at an "
+          "end, one of "
+          "these, and goals are to name theirs.")
       .def(
           "get_joint_limits",
           [](Self& self, const std::string& name) {

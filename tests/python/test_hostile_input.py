@@ -84,6 +84,23 @@ def test_a_flat_plate_is_collided_with(arm, ready):
     assert arm.is_state_colliding("arm", ready)
 
 
+def test_a_hull_is_that_of_the_triangles(arm, ready):
+    """Not of vertices that no triangle has."""
+    hand = arm.compute_fk("arm", ready).p
+    corners = [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]
+    triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    found = []
+    for vertices, more in (
+        (corners, {"triangles": triangles}),
+        ([*corners, [0.6, 0, 0]], {"triangles": triangles}),
+        (corners, {}),
+    ):
+        arm.add_mesh("solid", vertices=vertices, convex=True, pose=srmp.Pose(hand - [0.5, 0, 0]), **more)
+        found.append(arm.distance_to_collision("arm", ready))
+        arm.remove_object("solid")
+    assert found[0] == found[1] == found[2] > 0
+
+
 def test_nearly_flat_point_sets_have_a_hull_or_a_sentence():
     """Thicknesses around the precision with which qhull computes."""
     random = np.random.default_rng(1)

@@ -149,6 +149,50 @@ def test_filters_become_allowed_collisions():
     assert not planner.allowed_collision("arm7_shoulder", "floor")
 
 
+def test_refresh_sees_shapes_that_change_in_the_model():
+    """In place, as domain randomisation changes them."""
+    spec = small_scene()
+    corners = [[x, y, z] for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)]
+    spec.add_mesh(name="rock", uservert=np.ravel(corners))
+    rock = spec.worldbody.add_body(name="rock", pos=[0, 0, 2])
+    rock.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="rock")
+    spec.add_hfield(name="hills", nrow=3, ncol=3, size=[0.2, 0.2, 0.5, 0.1], userdata=[0] * 8 + [1])
+    spec.worldbody.add_body(name="hills", pos=[0, 0, 3]).add_geom(type=mujoco.mjtGeom.mjGEOM_HFIELD, hfieldname="hills")
+    planner, world, model, data = read(spec)
+
+    model.geom_size[model.body("post").geomadr[0]] = [0.3, 0.3, 0.3]
+    model.mesh_vert[:] *= 15
+    model.hfield_data[:] = 1
+    world.refresh()
+    again = srmp.PlannerInterface()
+    again.read_sim((model, data), "mujoco", articulations=["arm"])
+    random = np.random.default_rng(0)
+    for q in random.uniform(-2, 2, (50, 7)):
+        assert planner.is_state_colliding("arm", q) == again.is_state_colliding("arm", q)
+        assert planner.distance_to_collision("arm", q) == again.distance_to_collision("arm", q)
+
+
+def test_refresh_sees_filters_that_change():
+    planner, world, model, _ = read(small_scene())
+    post = model.body("post").geomadr[0]
+    links = planner.get_link_names("arm")[:-3]
+    planner.set_allowed_collision("arm/arm7_hand", "cube")  # the user's own rule stays
+    for affinity in (2, 1, 2, 1):
+        model.geom_contype[post] = model.geom_conaffinity[post] = affinity
+        world.refresh()
+        for link in links[1:]:
+            assert planner.allowed_collision(link, "post") == (affinity == 2)
+        assert planner.allowed_collision("arm7_hand", "cube")
+        assert not planner.allowed_collision("arm7_forearm", "cube")
+    flags = model.opt.disableflags
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    world.refresh()
+    assert all(planner.allowed_collision(link, "cube") for link in links)
+    model.opt.disableflags = flags
+    world.refresh()
+    assert not planner.allowed_collision("arm7_forearm", "cube")
+
+
 def test_refresh_moves_adds_and_removes():
     spec = small_scene()
     planner, world, model, data = read(spec)

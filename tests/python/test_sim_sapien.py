@@ -338,6 +338,17 @@ def test_contacts_are_those_that_physx_finds():
         assert frozenset((a, b)) not in seen
 
 
+def test_refresh_sees_filters_that_change():
+    scene, _, _ = small_scene()
+    planner, world = read(scene)
+    post = next(entity for entity in scene.entities if entity.name == "post")
+    (shape,) = post.find_component_by_type(px.PhysxRigidBaseComponent).collision_shapes
+    for groups in ([2, 2, 0, 0], [1, 1, 0, 0]):
+        shape.set_collision_groups(groups)
+        world.refresh()
+        assert planner.allowed_collision("arm7_forearm", "post") == (groups[0] == 2)
+
+
 def test_refresh_moves_adds_and_removes():
     scene, arm, cube = small_scene()
     planner, world = read(scene)

@@ -33,6 +33,8 @@ def plan(q: NDArray[np.float64]) -> srmp.Trajectory | str:
     goal = srmp.GoalConstraint(srmp.GoalType.POSE, list(srmp.Pose([0.6, 0, 0.5])))
     try:
         trajectory = planner.plan("arm", q, [goal, srmp.GoalConstraint(srmp.GoalType.JOINTS, q)])
+        planner.plan("arm", q, ["ready", q])
+        planner.plan("arm", q, ["ready", srmp.Pose([0.6, 0, 0.5])])
     except srmp.PlanningError as error:
         return f"{error.status.name}: {error}"
     except (srmp.InvalidArgument, srmp.FileError, srmp.NotSupported) as error:

@@ -106,6 +106,9 @@ BOOST_AUTO_TEST_CASE(stops_with_limited_jerk_keep_it_from_the_acceleration_on) {
     const MotionLimits limits = limits_of(random);
     const Trajectory motion =
         time_parameterize(waypoints_of(random, 2 + world % 4), names, limits, {.method = TimingMethod::ruckig});
+    BOOST_TEST(motion.velocities.row(0).isZero(0.0));
+    BOOST_TEST(motion.velocities.bottomRows(1).isZero(0.0));
+    BOOST_TEST(stop_on_path(motion, motion.duration(), limits, {.method = TimingMethod::ruckig}).size() == 1);
     const double t = motion.duration() * std::uniform_real_distribution<double>(0.0, 1.0)(random);
     const Trajectory stop = stop_on_path(motion, t, limits, {.method = TimingMethod::ruckig});
     if (stop.size() == 1) continue;

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import copy
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from functools import cached_property
 from typing import Any
 
@@ -41,7 +41,7 @@ class MuJoCo(Simulator):
     def __init__(self, sim: Any) -> None:
         self.mj = import_simulator("mujoco", "mujoco")
         self.model, self.data = self._parts(sim)
-        self._shapes: dict[int, shapes.Shape] = {}
+        self._shapes: dict[int, tuple[Hashable, shapes.Shape]] = {}  # of each geom, and what it was made of
         self._controls: dict[str, _Control] = {}
 
     def _parts(self, sim: Any) -> tuple[Any, Any]:
@@ -160,10 +160,23 @@ class MuJoCo(Simulator):
         return bool(m.geom_contype[geom] or m.geom_conaffinity[geom]) or any(geom in pair for pair in self._pairs)
 
     def _geometry(self, geom: int) -> Geometry:
-        if geom not in self._shapes:
-            self._shapes[geom] = self._shape(geom)
+        made_of = self._numbers(geom)
+        if geom not in self._shapes or self._shapes[geom][0] != made_of:
+            self._shapes[geom] = made_of, self._shape(geom)
         pose = Pose.from_wxyz(self.model.geom_pos[geom], self.model.geom_quat[geom])
-        return Geometry(self._name("GEOM", geom), self._shapes[geom], pose, geom)
+        return Geometry(self._name("GEOM", geom), self._shapes[geom][1], pose, geom)
+
+    def _numbers(self, geom: int) -> Hashable:
+        """All of the model that is in the geom's shape, which may change in place, as domain randomisation does."""
+        m, of = self.model, int(self.model.geom_dataid[geom])
+        numbers = [m.geom_type[geom], m.geom_size[geom]]
+        match self.mj.mjtGeom(m.geom_type[geom]).name:
+            case "mjGEOM_MESH":
+                numbers += [of, m.mesh_vert[m.mesh_vertadr[of] : m.mesh_vertadr[of] + m.mesh_vertnum[of]]]
+            case "mjGEOM_HFIELD":
+                first, count = m.hfield_adr[of], m.hfield_nrow[of] * m.hfield_ncol[of]
+                numbers += [of, m.hfield_size[of], m.hfield_data[first : first + count]]
+        return tuple(np.asarray(number).tobytes() for number in numbers)
 
     def _shape(self, geom: int) -> shapes.Shape:
         size = self.model.geom_size[geom].copy()
@@ -280,6 +293,10 @@ class MuJoCo(Simulator):
         of_parent = [int(m.body_weldid[m.body_parentid[w]]) for w in (u, v)]
         related = u != 0 and v != 0 and (of_parent[0] == v or of_parent[1] == u)
         return not related or bool(flags & int(self.mj.mjtDisableBit.mjDSBL_FILTERPARENT))
+
+    def filters(self) -> Hashable:
+        m = self.model
+        return (m.opt.disableflags, m.geom_contype.tobytes(), m.geom_conaffinity.tobytes())
 
     @contextlib.contextmanager
     def probe(self) -> Iterator[Probe]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Hashable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -216,6 +216,9 @@ class Sapien(Simulator):
             and not (self._is_flat(a) and self._is_flat(b))
             and _groups_meet(a.collision_groups, b.collision_groups)
         )
+
+    def filters(self) -> Hashable:
+        return tuple(tuple(shape.collision_groups) for shape in self._known)
 
     def _is_fixed(self, component: Any) -> bool:
         """PhysX finds no contacts among those that nothing can push."""

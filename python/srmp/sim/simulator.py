@@ -144,6 +144,10 @@ class Simulator(ABC):
     def may_collide(self, a: Hashable, b: Hashable) -> bool:
         """Returns whether contact of the two geometries counts, that is, is not filtered."""
 
+    def filters(self) -> Hashable:
+        """The filters of contacts as they are now, in any form; equal while they stay. None: changes are not seen."""
+        return None
+
     def may_differ(self, a: Hashable, b: Hashable, seen_by: str) -> str:
         """Why `seen_by`, "planner" or this kind, may be alone to report that the two touch; "" = not known."""
         return ""

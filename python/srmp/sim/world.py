@@ -58,6 +58,9 @@ class SimulatedWorld:
         self.robots: dict[str, Robot] = {}
         self._objects: dict[str, _Object] = {}
         self._held: dict[str, tuple[str, str, list[str]]] = {}  # object: robot, link, touch links
+        self._filters: Hashable = None  # of the simulator, as last applied
+        self._allowed: set[tuple[str, str]] = set()  # by these filters
+        self._self_filtered: list[Robot] = []  # robots whose links they are applied to
 
     @property
     def differences(self) -> list[str]:
@@ -75,6 +78,7 @@ class SimulatedWorld:
                 self._add_robot(name, description, found, added)
             states, seen = self._joint_states(), self._read_objects(found)
             self._apply_filters(self._update_objects(seen, self._update_robots(states)), found)
+            self._filters = self.simulator.filters()
         except BaseException:
             for name in self._objects:
                 self.planner.remove_object(name)
@@ -110,7 +114,13 @@ class SimulatedWorld:
         except BaseException:
             self.simulator = before
             raise
-        self._apply_filters(self._update_objects(seen, self._update_robots(states)), found)
+        new, filters = self._update_objects(seen, self._update_robots(states)), self.simulator.filters()
+        if filters == self._filters:
+            return self._apply_filters(new, found)
+        for robot in self._self_filtered:
+            self._filter_self(robot, found[robot.articulation])
+        self._apply_filters(self._objects, found)
+        self._filters = filters
 
     def _add_robot(
         self, name: str, description: Mapping[str, Any], found: Mapping[str, Articulation], added: list[str]
@@ -158,6 +168,7 @@ class SimulatedWorld:
         for sentence in robot.differences:
             logger.info(sentence)
         if description.get("self_collisions", own and self.simulator.self_collision(articulation.name)):
+            self._self_filtered.append(robot)
             self._filter_self(robot, articulation)
 
     def _compare_limits(self, robot: Robot, articulation: Articulation) -> None:
@@ -177,8 +188,15 @@ class SimulatedWorld:
         names = {theirs: ours for ours, theirs in robot.links.items()}
         for i, a in enumerate(articulation.links):
             for b in articulation.links[:i]:
-                if a.geometries and b.geometries and not self._may_collide(a.geometries, b.geometries):
-                    self.planner.set_allowed_collision(f"{robot.name}/{names[a.name]}", f"{robot.name}/{names[b.name]}")
+                if a.geometries and b.geometries:
+                    pair = f"{robot.name}/{names[a.name]}", f"{robot.name}/{names[b.name]}"
+                    self._filter(*pair, self._may_collide(a.geometries, b.geometries))
+
+    def _filter(self, a: str, b: str, may_collide: bool) -> None:
+        """Allows contact of the two where the simulator does not count it, and not any more where it does again."""
+        if may_collide == ((a, b) in self._allowed):
+            self.planner.set_allowed_collision(a, b, allowed=not may_collide)
+            (self._allowed.discard if may_collide else self._allowed.add)((a, b))
 
     def _joint_states(self) -> dict[str, dict[str, float]]:
         """Of all robots, by the planner's names, as they stand in the simulator."""
@@ -273,6 +291,7 @@ class SimulatedWorld:
             if name in present:
                 self.planner.remove_object(name)
                 present.remove(name)
+        self._allowed = {pair for pair in self._allowed if pair[1] not in self._objects or pair[1] in present}
         self._objects = {name: old for name, old in self._objects.items() if name in present}
         self._held = {name: holder for name, holder in self._held.items() if name in present}
         new = {}
@@ -292,19 +311,19 @@ class SimulatedWorld:
         return new
 
     def _apply_filters(self, objects: Mapping[str, _Object], found: Mapping[str, Articulation]) -> None:
-        """Allows the contacts of these objects, and of robots among each other, that the simulator does not count."""
+        """Filters the contacts of these objects with robots, and of robots among each other, as the simulator does."""
         links = {robot.name: _link_geometries(robot, found) for robot in self.robots.values()}
         for robot, of_links in links.items():
             for link, geometries in of_links.items():
                 for name, item in objects.items():
-                    if not any(self.simulator.may_collide(geometry.key, item.key) for geometry in geometries):
-                        self.planner.set_allowed_collision(f"{robot}/{link}", name)
+                    may_collide = any(self.simulator.may_collide(geometry.key, item.key) for geometry in geometries)
+                    self._filter(f"{robot}/{link}", name, may_collide)
         for i, (robot, of_links) in enumerate(links.items()):
             for other, of_other in list(links.items())[:i]:
                 for link, geometries in of_links.items():
                     for other_link, others in of_other.items():
-                        if not self._may_collide(geometries, others):
-                            self.planner.set_allowed_collision(f"{robot}/{link}", f"{other}/{other_link}")
+                        pair = f"{robot}/{link}", f"{other}/{other_link}"
+                        self._filter(*pair, self._may_collide(geometries, others))
 
     def _may_collide(self, a: Sequence[Geometry], b: Sequence[Geometry]) -> bool:
         return any(self.simulator.may_collide(x.key, y.key) for x in a for y in b)

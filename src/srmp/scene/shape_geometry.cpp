@@ -76,13 +76,24 @@ std::vector<std::array<int, 3>> with_area(const Mesh& mesh) {
   return kept;
 }
 
+/// What the mesh consists of: without vertices that no triangle has, if there are triangles.
+std::vector<Eigen::Vector3d> used_vertices(const Mesh& mesh) {
+  std::vector<char> used(mesh.vertices.size(), mesh.triangles.empty());
+  for (const auto& triangle : mesh.triangles)
+    for (const int index : triangle) used[static_cast<std::size_t>(index)] = true;
+  std::vector<Eigen::Vector3d> vertices;
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i]) vertices.push_back(mesh.vertices[i]);
+  return vertices;
+}
+
 std::shared_ptr<const coal::CollisionGeometry> build_mesh(const Mesh& mesh, const std::string& object) {
   check_mesh(mesh, object);
-  const TriangleSoup soup{mesh.vertices, with_area(mesh)};
-  if (!mesh.convex && soup.triangles.empty())
-    throw InvalidArgument(of("mesh", object) + ": every triangle has zero area");
   try {
-    return make_mesh_geometry(soup, mesh.convex ? MeshModel::hull : MeshModel::surface);
+    if (mesh.convex) return make_mesh_geometry({used_vertices(mesh), {}}, MeshModel::hull);
+    const TriangleSoup soup{mesh.vertices, with_area(mesh)};
+    if (soup.triangles.empty()) throw InvalidArgument("every triangle has zero area");
+    return make_mesh_geometry(soup, MeshModel::surface);
   } catch (const InvalidArgument& error) {
     throw InvalidArgument(of("mesh", object) + ": " + error.what());
   }

@@ -75,6 +75,7 @@ class SmoothPathTiming {
   Knots time() const {
     if (!ends_.at_rest()) return time_between_speeds();
     Knots knots = solve(limits_, 1.0);
+    for (Eigen::VectorXd* at_rest : {&knots.velocities.front(), &knots.velocities.back()}) at_rest->setZero();
     if (const double use = limit_use(knots, limits_, jerk_limited()) * (1.0 + rounding_margin); use > 1.0)
       stretch_time(knots, use);
     if (const double use = use_of_links(knots); use > 1.0) stretch_time(knots, use);
