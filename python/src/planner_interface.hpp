@@ -2,9 +2,7 @@
 
 #include <atomic>
 #include <map>
-#include <mutex>
 #include <string>
-#include <thread>
 #include <utility>
 
 #include "bind.hpp"
@@ -22,15 +20,11 @@ class PyPlannerInterface {
 
   template <class Use>
   auto use(Use&& call) {
-    if (user_ == std::this_thread::get_id())
+    const OnlyUse in_use(in_use_);
+    if (!in_use.first)
       throw Error(
-          "this PlannerInterface is planning, and what it calls meanwhile, such as a heuristic, may not use it; give "
-          "that a PlannerInterface of its own");
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock)
-      throw Error(
-          "this PlannerInterface is planning in another thread; give each thread a PlannerInterface of its own");
-    const User user(user_);
+          "this PlannerInterface is planning: no other thread may use it, nor what it calls meanwhile, such as a "
+          "heuristic; give each a PlannerInterface of its own");
     const InterruptionScope interruptible(raise_interrupt);
     return call(planner_);
   }
@@ -79,16 +73,17 @@ class PyPlannerInterface {
     };
   }
 
-  /// The thread that holds the mutex.
-  using UserId = std::atomic<std::thread::id>;
-  struct User {
-    explicit User(UserId& id) : id(id) { id = std::this_thread::get_id(); }
-    ~User() { id = std::thread::id(); }
-    UserId& id;
+  /// As long as it lives, it is the only one that is the first.
+  struct OnlyUse {
+    explicit OnlyUse(std::atomic_flag& in_use) : in_use(in_use), first(!in_use.test_and_set()) {}
+    ~OnlyUse() {
+      if (first) in_use.clear();
+    }
+    std::atomic_flag& in_use;
+    const bool first;
   };
 
-  std::mutex mutex_;
-  UserId user_{};
+  std::atomic_flag in_use_;
   std::atomic<bool> stops_plans_{false};
   PlannerInterface planner_;
   std::map<std::string, nb::callable> heuristics_;

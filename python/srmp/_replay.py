@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from srmp import _srmp
 if TYPE_CHECKING:
     import srmp
 
-COMPARED_STATISTICS = ("path_cost_rad", "bound", "bound_graph", "goal_index")  # times and work may differ
+COMPARED_STATISTICS = ("path_cost_rad", "bound", "bound_graph", "goal_index")
 
 
 def plan_again(world: srmp.PlannerInterface, request: srmp.PlanRequest | srmp.MultiPlanRequest) -> None:
@@ -41,11 +42,11 @@ def first_difference(
         return None
     if isinstance(before, _srmp.PlanResult):
         difference = _first_difference(before.trajectory, now.trajectory)
-        return difference or _first_difference_of_statistics(before.statistics, now.statistics)
+        return difference or _first_difference_of_entries("statistics", before.statistics, now.statistics)
     for robot, trajectory in before.trajectory.items():
         if difference := _first_difference(trajectory, now.trajectory[robot]):
             return f"robot '{robot}': {difference}"
-    return _first_difference_of_statistics(before.statistics, now.statistics)
+    return _first_difference_of_entries("statistics", before.statistics, now.statistics)
 
 
 def _first_difference(before: srmp.Trajectory, now: srmp.Trajectory) -> str | None:
@@ -60,24 +61,18 @@ def _first_difference(before: srmp.Trajectory, now: srmp.Trajectory) -> str | No
             place = tuple(places[0])
             column = f", column {place[1]} ({before.joint_names[place[1]]})" if len(place) > 1 else ""
             return f"{name}, row {place[0]}{column}: was {float(a[place])!r} and is {float(b[place])!r}"
-    return _first_difference_of_entries("certificate", _entries(before.certificate), _entries(now.certificate))
+    if (before.certificate is None) != (now.certificate is None):
+        return "there was no certificate and there is one" if now.certificate else "there is no certificate any more"
+    if before.certificate is None or now.certificate is None:
+        return None
+    return _first_difference_of_entries("certificate", before.certificate.to_dict(), now.certificate.to_dict())
 
 
-def _entries(certificate: srmp.Certificate | None) -> dict[str, Any]:
-    entries = {} if certificate is None else certificate.to_dict()
-    entries.pop("time_s", None)
-    return entries
-
-
-def _first_difference_of_statistics(before: dict[str, Any], now: dict[str, Any]) -> str | None:
-    kept = [name for name in COMPARED_STATISTICS if name in before]
-    return _first_difference_of_entries(
-        "statistics", *({name: each.get(name) for name in kept} for each in (before, now))
-    )
-
-
-def _first_difference_of_entries(what: str, before: dict[str, Any], now: dict[str, Any]) -> str | None:
-    for name in [*before, *(name for name in now if name not in before)]:
+def _first_difference_of_entries(what: str, before: Mapping[str, Any], now: Mapping[str, Any]) -> str | None:
+    """Of what the file has; times, and the work of a plan, may differ."""
+    for name in before:
+        if name == "time_s" or (what == "statistics" and name not in COMPARED_STATISTICS):
+            continue
         was, is_now = (json.dumps(each.get(name), default=str) for each in (before, now))
         if was != is_now:
             return f"{what}, {name}: was {was} and is {is_now}"

@@ -46,7 +46,6 @@ Eigen::Vector3d unit_vector(Dice& dice) {
   return Eigen::Vector3d(dice.in(-1, 1), dice.in(-1, 1), dice.in(-1, 1)).normalized();
 }
 
-/// No point of a body moves by more than its envelope says, in any direction, and distances are those of the body.
 /// Of the pair, or the group: what its bound loses from here to there.
 void check_bound(detail::SceneWorkspace& here, detail::SceneWorkspace& there, const detail::Pair& pair) {
   const detail::DistanceBound bound = here.bound(pair);
@@ -61,10 +60,11 @@ void check_bound(detail::SceneWorkspace& here, detail::SceneWorkspace& there, co
 void check_gap(detail::SceneWorkspace& here, detail::SceneWorkspace& there, const detail::Pair& pair) {
   if (!pair.solid) return;
   const detail::Separation planes = here.separate(pair, 10.0);
-  const double gap = here.free_gap(pair, planes);
+  const double gap = here.free_gap(pair, planes, 0.0);
   if (gap > 0.0) BOOST_TEST(there.distance(pair, 10.0, 0.0) - pair.padding >= gap - 1e-6);
 }
 
+/// No bounding sphere moves by more than its envelope says, in any direction, and distances are those of the body.
 void check_bounds_in_envelopes(const Scene& scene, const std::vector<std::string>& robots, unsigned seed) {
   const detail::RobotGroup group(scene, robots);
   const detail::SceneModel model(scene, group, {.mode = CheckMode::coal});

@@ -560,7 +560,7 @@ def test_print_available_planners(arm, capsys):
 def test_a_planner_is_not_used_by_what_it_calls(arm, ready):
     arm.add_heuristic("own", lambda q, goals: np.zeros(len(q)) + arm.is_state_colliding("arm", q[0]))
     arm.make_planner("arm", {"planner_id": "wAstar", "heuristic": "own"})
-    with pytest.raises(srmp.Error, match="what it calls meanwhile, such as a heuristic, may not use it; give that a"):
+    with pytest.raises(srmp.Error, match="nor what it calls meanwhile, such as a heuristic; give each a Planner"):
         arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, ready + 0.3))
 
 

@@ -195,6 +195,21 @@ BOOST_AUTO_TEST_CASE(straight_motions_are_as_fast_as_velocity_and_acceleration_a
   }
 }
 
+BOOST_AUTO_TEST_CASE(slow_motions_that_begin_in_motion_are_timed) {
+  Random random(24);
+  for (int i = 0; i < 500; ++i) {
+    BOOST_TEST_CONTEXT("path " << i) {
+      RowMatrix path(random.integer(3, 8), 1);
+      path(0) = 0.0;
+      for (Eigen::Index k = 1; k < path.rows(); ++k) path(k) = path(k - 1) + random.uniform(0.1, 2.0);
+      const double v = random.scale(1e-4, 1e-3);
+      TimingOptions options = with(TimingMethod::toppra, 1e3);
+      options.start_velocity = Eigen::VectorXd::Constant(1, v * random.uniform(0.0, 1.0));
+      BOOST_CHECK_NO_THROW(time_parameterize(path, {"j"}, uniform_limits(1, v, random.uniform(1.0, 20.0), 1), options));
+    }
+  }
+}
+
 BOOST_AUTO_TEST_CASE(limits_of_all_sizes_are_kept_together) {
   Random random(23);
   for (int i = 0; i < 1000; ++i) {

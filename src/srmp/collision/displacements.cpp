@@ -197,11 +197,10 @@ double Displacements::of(std::size_t body, const Place& place, std::uint64_t sup
                          const Eigen::Vector3d& direction, std::span<const Eigen::Vector3d> part) {
   support &= active_;
   if (support == 0) return 0.0;
-  const Step& last = sum(body, place, support, half_width);
+  const DirectedMotion motion = along(body, place, support, half_width, direction);
   double linear = 0.0;
-  for (const Eigen::Vector3d& point : part)
-    linear = std::max(linear, std::abs((last.velocity + last.turn.cross(point - place.center)).dot(direction)));
-  return last.sweep.bound(linear + last.rest);
+  for (const Eigen::Vector3d& point : part) linear = std::max(linear, std::abs(motion.shift + motion.slope.dot(point)));
+  return std::min(linear + motion.rest, sum(body, place, support, half_width).sweep.moved);
 }
 
 }  // namespace srmp::detail

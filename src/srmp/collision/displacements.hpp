@@ -31,7 +31,8 @@ class Displacements {
   void start_straight(const Eigen::VectorXd& delta);
   /// Any motion, in which the actuated joints of `active` may move; limit() says how far.
   void start_any(std::uint64_t active);
-  /// Joint j moves by `change[j]` at most: by s * linear[j] for an s in [-1, 1], and by `rest[j]` at most besides.
+  /// Joint j moves by `change[j]` at most: by s * linear[j] for an s in [-1, 1] that is the same for all joints, and by
+  /// `rest[j]` at most besides.
   void limit(std::span<const double> change, std::span<const double> linear, std::span<const double> rest);
   /// The bodies are where `data` has them.
   void place(const RobotGroup::Data& data);

@@ -53,7 +53,7 @@ class Prover {
         deadline_(options.deadline),
         range_(motion.positions.cols()) {
     displacements_.resize(model.bodies.moving.size());
-    of_spheres_.resize(model.bodies.moving.size() + model.bodies.envelopes.size());
+    sphere_displacements_.resize(model.bodies.moving.size() + model.bodies.envelopes.size());
     in_envelopes_.resize(model.bodies.moving.size());
     open_.reserve(4 * groups_.size());
   }
@@ -110,7 +110,7 @@ class Prover {
   void close(const Open& open, const Interval& interval, bool measured);
   bool sharpen();
   double bound_left(const Pair& pair, double motion, const DistanceBound& bound, double required);
-  Check check(const Pair& pair, double of_spheres, double required);
+  Check check(const Pair& pair, double sphere_approach, double required);
   Check measure(const Pair& pair, double motion, double required);
   static int levels_for(double room, double motion) {
     int levels = 0;
@@ -156,12 +156,12 @@ class Prover {
   unsigned checks_{};  // that bounds did not decide, since the last look at the clock
   int raising_{};      // of pairs that were proved free, but less than the goal
   CubicSegments::Range range_;
-  std::vector<Displacement> displacements_;  // by moving body, in an interval
-  std::vector<Displacement> of_spheres_;     // of bounding spheres, by moving body and envelope
-  std::vector<Displacement> in_envelopes_;   // the same of moving bodies, from those of their envelopes
-  std::vector<Separation> separations_;      // by pair; empty until one is needed
-  std::vector<Open> open_;                   // a stack: those of the current interval on top
-  std::vector<Proved> to_sharpen_;           // a heap: less than the goal is proved of these
+  std::vector<Displacement> displacements_;         // by moving body, in an interval
+  std::vector<Displacement> sphere_displacements_;  // of bounding spheres, by moving body and envelope
+  std::vector<Displacement> in_envelopes_;          // the same of moving bodies, from those of their envelopes
+  std::vector<Separation> separations_;             // by pair; empty until one is needed
+  std::vector<Open> open_;                          // a stack: those of the current interval on top
+  std::vector<Proved> to_sharpen_;                  // a heap: less than the goal is proved of these
   std::vector<std::pair<std::uint32_t, std::pair<double, double>>> unproved_;
   std::vector<std::pair<double, std::uint32_t>> order_;
 };
@@ -257,7 +257,8 @@ double Prover::displacement(std::uint32_t body, std::uint64_t support) {
 }
 
 double Prover::displacement_of_sphere(std::uint32_t body, std::uint64_t support) {
-  return remembered(of_spheres_[body], support, [&] { return workspace_.displacement_of_sphere(body, support); });
+  return remembered(sphere_displacements_[body], support,
+                    [&] { return workspace_.displacement_of_sphere(body, support); });
 }
 
 /// The same from how its envelope moves.
@@ -282,9 +283,9 @@ double Prover::bound_left(const Pair& pair, double motion, const DistanceBound& 
 
 /// Checks a pair over the interval around the current configuration. A clearance of `required` will do, though
 /// distances are computed as far as the goal.
-Prover::Check Prover::check(const Pair& pair, double of_spheres, double required) {
+Prover::Check Prover::check(const Pair& pair, double sphere_approach, double required) {
   const DistanceBound bounds = workspace_.bound(pair);
-  const double bound = bounds.distance, left = bound_left(pair, of_spheres, bounds, required);
+  const double bound = bounds.distance, left = bound_left(pair, sphere_approach, bounds, required);
   if (left > required) return {CollisionStatus::free, left, false};
   if (seldom_stopped(pair)) return {CollisionStatus::undecided, 0.0, false};
   const double motion = approach(pair);
@@ -307,7 +308,7 @@ Prover::Check Prover::measure(const Pair& pair, double motion, double required) 
     if (hulls == infinity) return {CollisionStatus::free, goal()};
     double bound = hulls - least;
     // Much of a motion is often along the planes that separate the two.
-    if (bound < goal()) bound = std::max(bound, workspace_.free_gap(pair, separation_of(pair)));
+    if (bound < goal()) bound = std::max(bound, workspace_.free_gap(pair, separation_of(pair), goal()));
     if (bound > required) return {CollisionStatus::free, bound, false};
     // Hulls a tenth of the motion apart prove the halves: that is cheaper than the distance of the meshes.
     if (!finest && hulls > suffices) return {CollisionStatus::undecided, 0.0, true, hulls - pair.padding - required};
@@ -323,7 +324,7 @@ Prover::Check Prover::measure(const Pair& pair, double motion, double required) 
   // What passes is the pair's distance: one that is only of two of its primitives is less than the motion.
   if (found > least) return {CollisionStatus::free, found - least};
   if (pair.solid) {
-    const double gap = workspace_.free_gap(pair, workspace_.separate(pair, margin));
+    const double gap = workspace_.free_gap(pair, workspace_.separate(pair, margin), required);
     if (gap > required) return {CollisionStatus::free, gap, false};
   }
   return {CollisionStatus::undecided, 0.0, true, found - pair.padding};
@@ -398,9 +399,9 @@ bool Prover::prove_member(std::uint32_t member, const Interval& interval) {
 /// checks. Distances of meshes take long, so those come later, the nearest first.
 bool Prover::prove_pair(Open open, const Interval& interval) {
   const Pair& pair = model_.bodies.pairs[open.pair];
-  const double of_spheres = approach_of_spheres(pair);
-  const bool raises = pair.solid && raising_ < max_sharpening && of_spheres >= Checker::motion_floor;
-  const Check found = check(pair, of_spheres, raises ? goal() : 0.0);
+  const double sphere_approach = approach_of_spheres(pair);
+  const bool raises = pair.solid && raising_ < max_sharpening && sphere_approach >= Checker::motion_floor;
+  const Check found = check(pair, sphere_approach, raises ? goal() : 0.0);
   if (found.status == CollisionStatus::colliding) return false;
   const bool free = found.status == CollisionStatus::free;
   if (free) open.bound = std::max(open.bound, found.bound);

@@ -261,18 +261,25 @@ double SceneWorkspace::displacement_of_sphere(std::size_t body, std::uint64_t su
 
 double SceneWorkspace::approach_of_spheres(const Pair& pair, double half_width, const Eigen::Vector3d* direction) {
   const double motion = displacement_of_sphere(pair.a, pair.support_a, half_width, direction);
-  if (pair.b_fixed) return motion;
-  return motion + displacement_of_sphere(pair.b, pair.support_b, half_width, direction);
+  return (pair.support_b & displacements_.active())
+             ? motion + displacement_of_sphere(pair.b, pair.support_b, half_width, direction)
+             : motion;
 }
 
-double SceneWorkspace::free_gap(const Pair& pair, const Separation& separation, double half_width) {
+/// Does the sum of both bodies' displacements say how near the two come? So it is of one point that moves.
+bool SceneWorkspace::is_of_one_point(const Pair& pair) const {
+  const bool a_moves = (pair.support_a & displacements_.active()) != 0,
+             b_moves = (pair.support_b & displacements_.active()) != 0;
+  if (a_moves == b_moves) return !a_moves;
+  return bodies_.moving[a_moves ? pair.a : pair.b].core.is_point();
+}
+
+double SceneWorkspace::free_gap(const Pair& pair, const Separation& separation, double enough, double half_width) {
   if (!(separation.gap > 0.0)) return -infinity;
   const Eigen::Vector3d direction = place_of(pair.a).pose.linear() * separation.direction.normalized();
   const double needed = pair.padding + NarrowPhase::tolerance,
                left = separation.gap - approach(pair, half_width, &direction) - needed;
-  const bool are_points =
-      bodies_.moving[pair.a].core.is_point() && (pair.b_fixed || bodies_.moving[pair.b].core.is_point());
-  if (left > reserve_ || are_points) return left;
+  if (left > enough || is_of_one_point(pair)) return left;
   // Not all points of a body come nearer, and most that do so fastest are far from the planes.
   const auto [solid_a, solid_b] = solids_of(pair);
   const DirectedMotion of_a = displacements_.along(pair.a, place_of(pair.a), pair.support_a, half_width, direction);
@@ -285,13 +292,12 @@ double SceneWorkspace::free_gap(const Pair& pair, const Separation& separation, 
 /// intervals are those of the whole motion.
 CollisionStatus SceneWorkspace::check_pair(const Interval& interval, Undecided& undecided) {
   const Pair& pair = bodies_.pairs[interval.pair];
-  const double motion = approach(pair, interval.half_width);
-  const double margin = pair.padding + motion + NarrowPhase::tolerance + reserve_;
-  const double bound = distance_bound(pair), of_spheres = approach_of_spheres(pair, interval.half_width);
+  const double needed = pair.padding + NarrowPhase::tolerance + reserve_, bound = distance_bound(pair);
+  if (bound > needed + approach_of_spheres(pair, interval.half_width)) return CollisionStatus::free;
+  const double motion = approach(pair, interval.half_width), margin = needed + motion;
   const bool at_floor = motion < Checker::motion_floor;
   undecided = {at_floor ? 0 : 2, bound, interval.candidates};
   int& parts = undecided.parts;
-  if (bound > margin - motion + of_spheres) return CollisionStatus::free;
   const CollisionStatus unproved =
       at_floor && reserve_ == 0.0 ? CollisionStatus::colliding : CollisionStatus::undecided;
   if (motion > likely_max_distance(pair, bound)) {  // no distance could prove it
@@ -301,7 +307,7 @@ CollisionStatus SceneWorkspace::check_pair(const Interval& interval, Undecided& 
   Separation separation;  // of the two, or of hulls around them; none is known yet
   const auto proves_parts = [&](double distance) {
     return motion <= parts * (distance - pair.padding) ||
-           free_gap(pair, separation, interval.half_width / parts) > reserve_;
+           free_gap(pair, separation, reserve_, interval.half_width / parts) > reserve_;
   };
   const auto subdivide_for = [&](double distance) {
     undecided.distance = distance;
@@ -311,7 +317,8 @@ CollisionStatus SceneWorkspace::check_pair(const Interval& interval, Undecided& 
   if (!pair.solid && interval.candidates.count == 0) {
     const double limit = margin + NarrowPhase::tolerance;
     const double found = hull_distance(pair, limit, limit - 0.9 * motion, &separation);
-    if (found == infinity || free_gap(pair, separation, interval.half_width) > reserve_) return CollisionStatus::free;
+    if (found == infinity) return CollisionStatus::free;
+    if (free_gap(pair, separation, reserve_, interval.half_width) > reserve_) return CollisionStatus::free;
     // Hulls a tenth of the motion apart prove the parts: that is cheaper than the distance of the meshes.
     if (found > limit - 0.9 * motion && !at_floor) return subdivide_for(found);
   }
@@ -328,7 +335,7 @@ CollisionStatus SceneWorkspace::check_pair(const Interval& interval, Undecided& 
     return unproved;
   }
   if (pair.solid) separation = separate(pair, margin);
-  if (pair.solid && free_gap(pair, separation, interval.half_width) > reserve_) return CollisionStatus::free;
+  if (pair.solid && free_gap(pair, separation, reserve_, interval.half_width) > reserve_) return CollisionStatus::free;
   return subdivide_for(found);
 }
 

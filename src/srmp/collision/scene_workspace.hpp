@@ -73,8 +73,8 @@ class SceneWorkspace final : public Checker::Workspace {
 
   /// The actuated joints of `active` may move.
   void start_any_motion(std::uint64_t active);
-  /// Places the bodies at q, from where joint j moves by `change[j]` at most: by s * linear[j] for an s in [-1, 1], and
-  /// by `rest[j]` at most besides.
+  /// Places the bodies at q, from where joint j moves by `change[j]` at most: by s * linear[j] for an s in [-1, 1] that
+  /// is the same for all joints, and by `rest[j]` at most besides.
   void place_in_range(ConstVector q, std::span<const double> change, std::span<const double> linear,
                       std::span<const double> rest);
   /// By how far the body can move while the actuated joints of `support` move through `half_width` of the motion around
@@ -93,8 +93,8 @@ class SceneWorkspace final : public Checker::Workspace {
   DistanceBound bound_in_envelopes(const Pair& pair);
   double displacement_in_envelope(std::size_t body, std::uint64_t support, const Eigen::Vector3d* direction = nullptr);
   /// The clearance that the pair keeps within `half_width` of the motion around here, by planes that separate the two;
-  /// negative where that proves nothing.
-  double free_gap(const Pair& pair, const Separation& separation, double half_width = 1.0);
+  /// negative where that proves nothing. One that is more than `enough` is not improved.
+  double free_gap(const Pair& pair, const Separation& separation, double enough, double half_width = 1.0);
 
   // --- straight motions and blocks, for SceneChecker
 
@@ -151,6 +151,7 @@ class SceneWorkspace final : public Checker::Workspace {
   template <class Visit>
   bool for_each_fixed_near(std::size_t body, double margin, Visit&& visit);
 
+  bool is_of_one_point(const Pair& pair) const;
   bool table_proves(const Pair& pair, double from, double to);
   double distance_left(const Interval& interval, PrimitiveQuery query);
   double distance_of_part(const Interval& part, const PrimitiveQuery& query, Candidates& left);

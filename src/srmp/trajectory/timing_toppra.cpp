@@ -20,8 +20,8 @@ constexpr double min_straight = 8.0, max_straight = 60.0, per_corner = 4.0;  // 
 /// becomes acceleration.
 constexpr double min_interval = 5e-4;  // [s at full speed]
 constexpr int parts_of_short_path = 16;
-/// Full speed is reached well within the first interval: between these fractions of it, or of the segment.
-constexpr double soon_reached = 0.9, least_part = 1e-9;
+constexpr double soon_reached = 0.9;  // of the first interval: a point nearer to its end gains nothing
+constexpr double least_step = 1e-9;   // of the path: over shorter ones, rounding becomes acceleration
 
 constexpr double within = 1.0 - 1e-6;  // of the speed that a curve allows: at the limit itself rounding decides
 
@@ -80,8 +80,8 @@ class ScaledPath : public toppra::GeometricPath {
 
   /// Grid points: evenly on every segment, its ends included, and where a straight one is at full speed after a stop at
   /// its beginning, or brakes for one at its end, if that is within the first or last interval: the path's acceleration
-  /// is constant between grid points.
-  Eigen::VectorXd grid(const MotionLimits& limits) const {
+  /// is constant between grid points. With a speed at an end, these would leave no margin for rounding.
+  Eigen::VectorXd grid(const MotionLimits& limits, bool at_rest) const {
     const double shortest = std::min(min_interval, scales_.length / parts_of_short_path);
     std::vector<double> points{0.0};
     for (std::size_t i = 0; i < path_.size(); ++i) {
@@ -90,7 +90,8 @@ class ScaledPath : public toppra::GeometricPath {
       const double most = std::max(min_intervals(i), path_[i].length / shortest);
       const int count = static_cast<int>(std::min(path_[i].rounded ? per_corner : straight, most));
       const double part = std::max(shortest, length_to_full_speed(path_[i], limits)) / path_[i].length;
-      const bool soon = !path_[i].rounded && part > least_part && part < soon_reached / std::max(count, 2);
+      const bool soon = at_rest && !path_[i].rounded && (end - begins_[i]) * part > least_step &&
+                        part < soon_reached / std::max(count, 2);
       if (soon) points.push_back(begins_[i] + (end - begins_[i]) * part);
       for (int k = 1; k < count; ++k) points.push_back(begins_[i] + (end - begins_[i]) * k / count);
       if (soon) points.push_back(end - (end - begins_[i]) * part);
@@ -230,7 +231,7 @@ Knots time_with_toppra(const SmoothPath& path, const MotionLimits& limits, doubl
   // The library takes the square of the speed at the start, and the speed at the end.
   const double start = std::pow(start_speed * unit, 2), end = end_speed * unit;
   Solver solver({std::make_shared<Limits>(*scaled, speed, links, start, end * end)}, scaled);
-  solver.setGridpoints(scaled->grid(limits));
+  solver.setGridpoints(scaled->grid(limits, start == 0.0 && end == 0.0));
   solver.solver(std::make_shared<InterruptibleSeidel>());
   if ((start > 0.0 || end > 0.0) && !solver.can_start_with(start, end))
     throw Error("too fast for the length of the path");  // checked here: the library would complain on stderr

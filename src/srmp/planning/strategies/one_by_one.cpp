@@ -69,7 +69,7 @@ class PlacesSearch {
       if (places_.size() == robots.size() && move_together(*path)) add_known(backwards ? reversed(*path) : *path);
   }
 
-  /// What may move, and where to: each one takes more work than those before, which the search has gone through.
+  /// The phases of a search, the cheapest first. find() is to be called in this order: retreats stay for later phases.
   enum class Phase { directly, with_retreats, known_by_trees, in_pairs };
 
   std::optional<JointPath> find(Phase phase) {

@@ -56,8 +56,8 @@ struct OneByOneResult {
 /// "Uniform object rearrangement: from complete monotone primitives to efficient non-monotone informed search" (sets of
 /// what has moved, and places in between). Best-first search over the robots' places; motions are found by RRT-Connect,
 /// and only when the search asks for them. A search from the goals finds at once what the last robots have to pass,
-/// where one from the starts goes through many orders first. Guarantee: the path is free. That none is found says
-/// nothing.
+/// where one from the starts goes through many orders first: what moves single robots is tried from both before what
+/// moves two. Guarantee: the path is free. That none is found says nothing.
 ///
 /// `robots`: numbers in the world, increasing. `own_paths`: one a robot, as if it were alone, which ends where the
 /// robot is to end; where one is empty, nothing is found. Robots that may end anywhere stay where they start. `known`:
