@@ -492,7 +492,7 @@ def test_the_gil_is_released_and_a_busy_planner_says_so(arm, ready):
     thread = threading.Thread(target=plan)
     thread.start()
     time.sleep(0.2)
-    with pytest.raises(srmp.Error, match="another thread"):
+    with pytest.raises(srmp.Error, match="no other thread may use it"):
         arm.add_sphere("late", radius=0.1)
     thread.join()
     assert failed == [srmp.Status.timed_out]

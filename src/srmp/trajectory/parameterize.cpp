@@ -223,7 +223,7 @@ MotionLimits within_reach(MotionLimits limits, const RowMatrix& path, const Timi
     for (Eigen::Index i = 1; i < path.rows(); ++i)
       squared += 2.0 * limits.acceleration[j] * std::abs(path(i, j) - path(i - 1, j));
     for (const Eigen::VectorXd* given : {&options.start_velocity, &options.end_velocity})
-      if (given->size()) squared += (*given)[j] * (*given)[j];
+      if (given->size() == path.cols()) squared += (*given)[j] * (*given)[j];  // others are refused later
     if (squared > 0.0) limits.velocity[j] = std::min(limits.velocity[j], far_beyond_reach * std::sqrt(squared));
   }
   return limits;
