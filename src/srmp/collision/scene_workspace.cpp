@@ -22,6 +22,9 @@ constexpr std::size_t max_stored_candidates = 1 << 20;  // of one motion: furthe
 constexpr int max_parts = 16;
 constexpr int samples_per_deadline_check = 32;
 
+/// An interval is divided until this fraction of the gap in its middle would be left: elsewhere the gap may be smaller.
+constexpr double likely_gap = 0.5;
+
 /// A level of more intervals than this is not resolved as one.
 constexpr std::size_t many_intervals = 32;
 
@@ -306,8 +309,9 @@ CollisionStatus SceneWorkspace::check_pair(const Interval& interval, Undecided& 
   }
   Separation separation;  // of the two, or of hulls around them; none is known yet
   const auto proves_parts = [&](double distance) {
-    return motion <= parts * (distance - pair.padding) ||
-           free_gap(pair, separation, reserve_, interval.half_width / parts) > reserve_;
+    if (motion <= parts * (distance - pair.padding)) return true;
+    const double left = free_gap(pair, separation, separation.gap, interval.half_width / parts);
+    return left > std::max(reserve_, likely_gap * (separation.gap - pair.padding));
   };
   const auto subdivide_for = [&](double distance) {
     undecided.distance = distance;
