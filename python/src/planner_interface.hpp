@@ -73,7 +73,7 @@ class PyPlannerInterface {
     };
   }
 
-  /// As long as it lives, it is the only one that is the first.
+  /// Marks the planner as in use, unless it is already: then this is not the `first`.
   struct OnlyUse {
     explicit OnlyUse(std::atomic_flag& in_use) : in_use(in_use), first(!in_use.test_and_set()) {}
     ~OnlyUse() {

@@ -30,8 +30,7 @@ void bind_queries(PlannerClass& cls) {
           },
           nb::arg("name"),
           "Name of the end effector, the link that goals refer to; where none was given and several links are at an "
-          "end, one of "
-          "these, and goals are to name theirs.")
+          "end, one of these, and goals are to name theirs.")
       .def(
           "get_joint_limits",
           [](Self& self, const std::string& name) {

@@ -68,18 +68,12 @@ def keep_inputs(command: click.Command) -> None:
 
 
 def _refuse_same_files(given: Sequence[tuple[click.Parameter, Any]]) -> None:
-    read: list[tuple[click.Parameter, Path]] = []
-    written: list[tuple[click.Parameter, Path]] = []
-    for param, value in given:
-        if isinstance(param.type, click.Path):
-            (read if param.type.exists else written).append((param, Path(value).resolve()))
-    for k, (param, path) in enumerate(written):
-        for other, own in [*read, *written[:k]]:
-            if own == path:
-                does = "writes" if other in (earlier for earlier, _ in written) else "reads"
-                raise click.UsageError(
-                    f"{_shown(param)} is the file that {_shown(other)} {does}: {path}; name another."
-                )
+    files = [(param, param.type, Path(value).resolve()) for param, value in given if isinstance(param.type, click.Path)]
+    used = {path: f"{_shown(param)} reads" for param, kind, path in files if kind.exists}
+    for param, kind, path in files:
+        if not kind.exists and path in used:
+            raise click.UsageError(f"{_shown(param)} is the file that {used[path]}: {path}; name another.")
+        used.setdefault(path, f"{_shown(param)} writes")
 
 
 def _shown(param: click.Parameter) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from srmp import _srmp
 if TYPE_CHECKING:
     import srmp
 
+# Times, and the work of a plan, may differ.
 COMPARED_STATISTICS = ("path_cost_rad", "bound", "bound_graph", "goal_index")
 
 
@@ -42,11 +43,11 @@ def first_difference(
         return None
     if isinstance(before, _srmp.PlanResult):
         difference = _first_difference(before.trajectory, now.trajectory)
-        return difference or _first_difference_of_entries("statistics", before.statistics, now.statistics)
+        return difference or _first_difference_of_statistics(before.statistics, now.statistics)
     for robot, trajectory in before.trajectory.items():
         if difference := _first_difference(trajectory, now.trajectory[robot]):
             return f"robot '{robot}': {difference}"
-    return _first_difference_of_entries("statistics", before.statistics, now.statistics)
+    return _first_difference_of_statistics(before.statistics, now.statistics)
 
 
 def _first_difference(before: srmp.Trajectory, now: srmp.Trajectory) -> str | None:
@@ -65,14 +66,20 @@ def _first_difference(before: srmp.Trajectory, now: srmp.Trajectory) -> str | No
         return "there was no certificate and there is one" if now.certificate else "there is no certificate any more"
     if before.certificate is None or now.certificate is None:
         return None
-    return _first_difference_of_entries("certificate", before.certificate.to_dict(), now.certificate.to_dict())
+    was = before.certificate.to_dict()
+    return _first_difference_of_entries(
+        "certificate", was, now.certificate.to_dict(), [k for k in was if k != "time_s"]
+    )
 
 
-def _first_difference_of_entries(what: str, before: Mapping[str, Any], now: Mapping[str, Any]) -> str | None:
-    """Of what the file has; times, and the work of a plan, may differ."""
-    for name in before:
-        if name == "time_s" or (what == "statistics" and name not in COMPARED_STATISTICS):
-            continue
+def _first_difference_of_statistics(before: Mapping[str, Any], now: Mapping[str, Any]) -> str | None:
+    return _first_difference_of_entries("statistics", before, now, [k for k in COMPARED_STATISTICS if k in before])
+
+
+def _first_difference_of_entries(
+    what: str, before: Mapping[str, Any], now: Mapping[str, Any], names: Iterable[str]
+) -> str | None:
+    for name in names:
         was, is_now = (json.dumps(each.get(name), default=str) for each in (before, now))
         if was != is_now:
             return f"{what}, {name}: was {was} and is {is_now}"

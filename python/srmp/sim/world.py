@@ -58,7 +58,7 @@ class SimulatedWorld:
         self.robots: dict[str, Robot] = {}
         self._objects: dict[str, _Object] = {}
         self._held: dict[str, tuple[str, str, list[str]]] = {}  # object: robot, link, touch links
-        self._filters: Hashable = None  # of the simulator, as last applied
+        self._filters: Hashable = object()  # of the simulator, as last applied; at first, none were
         self._allowed: set[tuple[str, str]] = set()  # by these filters
         self._self_filtered: list[Robot] = []  # robots whose links they are applied to
 
@@ -77,8 +77,7 @@ class SimulatedWorld:
             for name, description in articulations.items():
                 self._add_robot(name, description, found, added)
             states, seen = self._joint_states(), self._read_objects(found)
-            self._apply_filters(self._update_objects(seen, self._update_robots(states)), found)
-            self._filters = self.simulator.filters()
+            self._update(states, seen, found)
         except BaseException:
             for name in self._objects:
                 self.planner.remove_object(name)
@@ -114,6 +113,15 @@ class SimulatedWorld:
         except BaseException:
             self.simulator = before
             raise
+        self._update(states, seen, found)
+
+    def _update(
+        self,
+        states: Mapping[str, Mapping[str, float]],
+        seen: Mapping[str, _Object],
+        found: Mapping[str, Articulation],
+    ) -> None:
+        """Brings robots and objects up to date; filters of what is new, and of all where they changed."""
         new, filters = self._update_objects(seen, self._update_robots(states)), self.simulator.filters()
         if filters == self._filters:
             return self._apply_filters(new, found)
@@ -169,7 +177,6 @@ class SimulatedWorld:
             logger.info(sentence)
         if description.get("self_collisions", own and self.simulator.self_collision(articulation.name)):
             self._self_filtered.append(robot)
-            self._filter_self(robot, articulation)
 
     def _compare_limits(self, robot: Robot, articulation: Articulation) -> None:
         joints = {joint.name: joint for joint in articulation.joints}

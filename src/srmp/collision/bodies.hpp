@@ -35,6 +35,11 @@ struct Pair {
 
   /// Those on which the relative pose of the two depends.
   std::uint64_t support() const { return support_a | support_b; }
+  /// The sum of what `of` says of both bodies, each with its joints; fixed bodies do not count.
+  template <class Of>
+  double sum(Of&& of) const {
+    return b_fixed ? of(a, support_a) : of(a, support_a) + of(b, support_b);
+  }
   /// Does it depend on some, and on these alone?
   bool depends_only_on(std::uint64_t joints) const { return support() != 0 && (support() & ~joints) == 0; }
   /// Does its table, which there is, prove the two apart between `from` and `to` of the straight motion by `delta`?

@@ -234,14 +234,12 @@ void Prover::find_nearest_at(Eigen::Index row) {
 
 /// How far the pair can approach each other.
 double Prover::approach(const Pair& pair) {
-  const double motion = displacement(pair.a, pair.support_a);
-  return pair.b_fixed ? motion : motion + displacement(pair.b, pair.support_b);
+  return pair.sum([this](std::uint32_t body, std::uint64_t support) { return displacement(body, support); });
 }
 
 /// How far the bounding spheres of the pair, or of a group, can.
 double Prover::approach_of_spheres(const Pair& pair) {
-  const double motion = displacement_of_sphere(pair.a, pair.support_a);
-  return pair.b_fixed ? motion : motion + displacement_of_sphere(pair.b, pair.support_b);
+  return pair.sum([this](std::uint32_t body, std::uint64_t support) { return displacement_of_sphere(body, support); });
 }
 
 /// What is known at this sample for these joints, which are often those of the pair before, or what `compute` finds.

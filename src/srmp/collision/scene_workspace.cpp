@@ -153,14 +153,15 @@ std::pair<Placed, Placed> SceneWorkspace::solids_of(const Pair& pair) {
 }
 
 double SceneWorkspace::hull_distance(const Pair& pair, double margin, double suffices, Separation* separation) {
-  const Placed a = placed(false, pair.a), b = placed(pair.b_fixed, pair.b);
   const auto [solid_a, solid_b] = solids_of(pair);
   double found = 0.0;
   if (solid_a.geometry && solid_b.geometry)
     found = query_distance(pair, solid_a, solid_b, margin, suffices, separation);
   if (!pair.both_meshes || found > suffices) return found;
-  if (solid_a.geometry && !solid_b.geometry) return query_distance(pair, solid_a, b, margin, suffices);
-  if (solid_b.geometry && !solid_a.geometry) return query_distance(pair, a, solid_b, margin, suffices);
+  if (solid_a.geometry && !solid_b.geometry)
+    return query_distance(pair, solid_a, placed(pair.b_fixed, pair.b), margin, suffices);
+  if (solid_b.geometry && !solid_a.geometry)
+    return query_distance(pair, placed(false, pair.a), solid_b, margin, suffices);
   return found;
 }
 
@@ -251,10 +252,8 @@ double SceneWorkspace::displacement_in_envelope(std::size_t body, std::uint64_t 
 }
 
 double SceneWorkspace::approach(const Pair& pair, double half_width, const Eigen::Vector3d* direction) {
-  const double motion = displacement(pair.a, pair.support_a, half_width, direction);
-  return (pair.support_b & displacements_.active())
-             ? motion + displacement(pair.b, pair.support_b, half_width, direction)
-             : motion;
+  return pair.sum(
+      [&](std::uint32_t body, std::uint64_t support) { return displacement(body, support, half_width, direction); });
 }
 
 double SceneWorkspace::displacement_of_sphere(std::size_t body, std::uint64_t support, double half_width,
@@ -263,10 +262,9 @@ double SceneWorkspace::displacement_of_sphere(std::size_t body, std::uint64_t su
 }
 
 double SceneWorkspace::approach_of_spheres(const Pair& pair, double half_width, const Eigen::Vector3d* direction) {
-  const double motion = displacement_of_sphere(pair.a, pair.support_a, half_width, direction);
-  return (pair.support_b & displacements_.active())
-             ? motion + displacement_of_sphere(pair.b, pair.support_b, half_width, direction)
-             : motion;
+  return pair.sum([&](std::uint32_t body, std::uint64_t support) {
+    return displacement_of_sphere(body, support, half_width, direction);
+  });
 }
 
 /// Does the sum of both bodies' displacements say how near the two come? So it is of one point that moves.

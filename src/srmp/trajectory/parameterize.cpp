@@ -216,7 +216,7 @@ Knots time_all(const std::vector<SmoothPath>& paths, const MotionLimits& limits,
 }
 
 /// The same limits for a motion along the path. A velocity limit that is far above what the joint's acceleration limit
-/// lets it reach there is lowered: nothing is lost, and the solver need not compare numbers of all sizes.
+/// allows it to reach there is lowered: nothing is lost, and the solver need not compare numbers of all sizes.
 MotionLimits within_reach(MotionLimits limits, const RowMatrix& path, const TimingOptions& options) {
   for (Eigen::Index j = 0; j < path.cols(); ++j) {
     double squared = 0.0;

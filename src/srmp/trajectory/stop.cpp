@@ -194,11 +194,9 @@ Trajectory stop_on_path(const Trajectory& motion, double t, const MotionLimits& 
       throw InvalidArgument(motion.joint_names[static_cast<std::size_t>(j)] + ": the velocity at " + to_text(t) +
                             " s is " + to_text(at.velocity[j]) + "; its limit is " + to_text(limits.velocity[j]));
   const bool has_ended = t == motion.times.tail<1>()[0] && at.velocity.cwiseAbs().maxCoeff() <= end_rate;
-  const bool with_acceleration = options.method == TimingMethod::ruckig && !has_ended;
-  const Line line(has_ended ? Eigen::VectorXd::Zero(at.velocity.size()) : at.velocity,
-                  with_acceleration ? at.acceleration : Eigen::VectorXd());
+  const Line line(at.velocity, options.method == TimingMethod::ruckig ? at.acceleration : Eigen::VectorXd());
   Knots knots;
-  if (line.direction.isZero(0.0)) {
+  if (has_ended || line.direction.isZero(0.0)) {
     knots.add(0.0, at.position, Eigen::VectorXd::Zero(at.position.size()));
   } else if (options.method == TimingMethod::ruckig) {
     knots = detail::stop_with_ruckig(at.position, line.direction, line.speed, line.acceleration, limits);

@@ -21,7 +21,7 @@ constexpr double min_straight = 8.0, max_straight = 60.0, per_corner = 4.0;  // 
 constexpr double min_interval = 5e-4;  // [s at full speed]
 constexpr int parts_of_short_path = 16;
 constexpr double soon_reached = 0.9;  // of the first interval: a point nearer to its end gains nothing
-constexpr double least_step = 1e-9;   // of the path: over shorter ones, rounding becomes acceleration
+constexpr double min_step = 1e-9;     // of the path: over shorter ones, rounding becomes acceleration
 
 constexpr double within = 1.0 - 1e-6;  // of the speed that a curve allows: at the limit itself rounding decides
 
@@ -90,11 +90,11 @@ class ScaledPath : public toppra::GeometricPath {
       const double most = std::max(min_intervals(i), path_[i].length / shortest);
       const int count = static_cast<int>(std::min(path_[i].rounded ? per_corner : straight, most));
       const double part = std::max(shortest, length_to_full_speed(path_[i], limits)) / path_[i].length;
-      const bool soon = at_rest && !path_[i].rounded && (end - begins_[i]) * part > least_step &&
-                        part < soon_reached / std::max(count, 2);
-      if (soon) points.push_back(begins_[i] + (end - begins_[i]) * part);
+      const double step = (end - begins_[i]) * part;
+      const bool soon = at_rest && !path_[i].rounded && step > min_step && part < soon_reached / std::max(count, 2);
+      if (soon) points.push_back(begins_[i] + step);
       for (int k = 1; k < count; ++k) points.push_back(begins_[i] + (end - begins_[i]) * k / count);
-      if (soon) points.push_back(end - (end - begins_[i]) * part);
+      if (soon) points.push_back(end - step);
       points.push_back(end);
     }
     return Eigen::Map<const Eigen::VectorXd>(points.data(), static_cast<Eigen::Index>(points.size()));
